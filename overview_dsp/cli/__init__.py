@@ -46,9 +46,9 @@ COMMANDS = {
     "bench": ("bench", "Measure the speed of the engine on this machine."),
 }
 
-SEPARATE_COMMANDS = {
-    "study": "not installed; install it in a clone of the project: pip install ./studies"
-}
+SEPARATE_COMMANDS = dict.fromkeys(
+    ("learn", "study"), "not installed; install it in a clone of the project: pip install ./studies"
+)
 """Commands in other distributions of this project, with the way to install each."""
 
 

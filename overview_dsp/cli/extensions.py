@@ -16,11 +16,12 @@ commands   `cli_command`, `option`, `SECONDS`: a command with the options in its
            signature; `announce_compile`, `note`, `progress_bar`, `show`;
            `ended_by_signals`, `wait_for_end`, `exit_if_stopped`: handling of
            signals; `Server`, `require_server`, `open_server`: a server with a token
-files      `atomic_folder`, `sound_bytes`; `read_text`, `parse_toml`,
+files      `atomic_folder`, `write_file`, `sound_bytes`; `read_text`, `parse_toml`,
            `faults_at_their_line`: TOML, with errors that name the line
 grids      `RenderGrid`, `Keys`, `KEYS`, `JobsTable`, `read_grid`, `PROGRAM`: the cases of
            a jobs file, and the cache key of each
 signal     `CLICK`, `TACTOR`, `SOURCES`, `Value`, `AngleMap`, `stroke_feel`
+output     `resolve_output`: the settings of an output device
 pictures   `save_figure`, `plot_style`
 page       `other_page_files`, `START`, `TYPES`, `RATES`, `kind_styles`, `window_json`,
            `whole_bytes`, `make_patch`; `threaded_endpoint`, `json_object`: requests with limits

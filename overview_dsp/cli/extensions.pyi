@@ -27,7 +27,7 @@ from overview_dsp.cli.signals import (
 )
 from overview_dsp.design.gestures.model import SOURCES as SOURCES
 from overview_dsp.design.presets.parameter import Value as Value
-from overview_dsp.files.atomic import atomic_folder as atomic_folder
+from overview_dsp.files.atomic import atomic_folder as atomic_folder, write_file as write_file
 from overview_dsp.files.sound import sound_bytes as sound_bytes
 from overview_dsp.files.toml import (
     faults_at_their_line as faults_at_their_line,
@@ -35,6 +35,7 @@ from overview_dsp.files.toml import (
     read_text as read_text,
 )
 from overview_dsp.kernels.layout import CLICK as CLICK, TACTOR as TACTOR
+from overview_dsp.live.output.saved_settings import resolve_output as resolve_output
 from overview_dsp.measure.perceived_level import stroke_feel as stroke_feel
 from overview_dsp.offline.plots import style
 from overview_dsp.offline.plots.saving import save_figure as save_figure

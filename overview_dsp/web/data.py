@@ -13,8 +13,9 @@
 `live_data` has the routes `GET /live/...` of a live timeline.
 
 ``server`` of ``data/timeline.json`` is ``{"audio": "here" or "host", "window": [start_s, end_s],
-"media": {"url", "type", "offset_s"} or null}``. `audio` is the machine that plays the sound,
-`window` the first visible window. A reloaded page uses the current content of the preset file.
+"media": {"url", "type", "offset_s"} or null, "pages": [names]}``. `audio` is the machine that plays the sound,
+`window` the first visible window, `pages` the entry points of `overview_dsp.pages` in other
+distributions: each makes the routes of ``/NAME/`` from a preset. A reloaded page uses the current content of the preset file.
 
 ``/preset/changes`` sends server-sent events in the format of ``/data/preset``: first the current
 preset, then each valid change of its file. For an invalid file it sends ``event: refused`` with the
@@ -33,11 +34,12 @@ import asyncio
 import json
 import threading
 from collections.abc import AsyncIterator
+from importlib.metadata import entry_points
 from typing import Any
 
 from starlette.requests import Request
 from starlette.responses import JSONResponse, PlainTextResponse, Response, StreamingResponse
-from starlette.routing import BaseRoute, Route
+from starlette.routing import BaseRoute, Mount, Route
 
 from overview_dsp.data.feeds.live_timeline import LiveTimeline
 from overview_dsp.data.timeline import Timeline
@@ -94,6 +96,8 @@ def data_routes(
     is_library_name = any(preset in names for names in preset_names().values())
     first_name = load_preset(preset).name
 
+    pages = entry_points(group="overview_dsp.pages")
+
     def adapted(preset: Preset) -> Preset:
         return without_map(preset) if linear else preset
 
@@ -115,6 +119,7 @@ def data_routes(
             "audio": audio,
             "window": list(first or (0.0, current.duration_s)),
             "media": None if media is None else media.describe(),
+            "pages": [page.name for page in pages],
         }
         return SiteContent(
             current,
@@ -188,6 +193,7 @@ def data_routes(
         Route("/data/window", threaded_endpoint(window), methods=["POST"]),
         Route("/data/{file}", threaded_endpoint(file)),
         Route("/sound/{file}", threaded_endpoint(file)),
+        *(Mount(f"/{page.name}", routes=page.load()(preset)) for page in pages),
     ]
     if live is not None:
         routes = [*LiveData(live, lambda: content.preset).routes(), *routes]

@@ -83,6 +83,14 @@ class Practice(_Strict):
     criterion: Annotated[float, Field(ge=0.0, le=1.0)] | None = None
 
 
+class Training(_Strict):
+    """Lesson about the kinds before the first block, with ten questions (`lesson`)."""
+
+    lesson: Literal[True] = True
+    criterion: Annotated[int, Field(ge=1, le=10)] | None = None
+    most_rounds: Annotated[int, Field(ge=1, le=3)] = 3
+
+
 class Main(_Strict):
     """Main trials, which are analysed."""
 
@@ -168,6 +176,7 @@ class StudyFile(_Strict):
     factors: dict[str, Factor] = Field(default_factory=dict)
     task: Task
     stimuli: dict[str, Any]
+    training: Training | None = None
     phases: Phases = Phases()
     output: Output = Output()
     questionnaires: Questionnaires = Questionnaires()

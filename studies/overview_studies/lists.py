@@ -15,8 +15,10 @@ from overview_studies.adaptive import quest_table
 from overview_studies.counterbalancing import RandomStream, rows_of, shuffled_blocks
 from overview_studies.design import ADAPTIVE, FREE, Design
 from overview_studies.file_model import Factor, Level
+from overview_studies.lesson import QUESTIONS
 from overview_studies.scales import Scale, scale_kind
 from overview_studies.stimuli import Stimulus
+from overview_studies.training import training_of
 
 Levels = dict[str, Level]
 
@@ -62,7 +64,9 @@ class ListMaker:
     """
 
     def __init__(self, design: Design, items: Sequence[Stimulus]) -> None:
-        self._design, self._items = design, items
+        self._design, self._items = design, [one for one in items if not one.is_training]
+        self._lesson = training_of(design)
+        self._training_keys = [one.key for one in items if one.is_training]
         self._groups = _combined(design.factors("between"))
         self._conditions = _combined(design.factors("blocked"))
         self._mixed = _combined(design.factors("mixed"))
@@ -80,6 +84,7 @@ class ListMaker:
         between = self._groups[group]
         row = self._rows[turn % len(self._rows)]
         steps = [*self._forms(self._questionnaires.start, 0, {})]
+        steps += self._training(number)
         before: list[str] = []
         for position, index in enumerate(row, 1):
             levels = {**between, **self._conditions[index]}
@@ -93,6 +98,43 @@ class ListMaker:
             before = now
         steps += self._forms(self._questionnaires.end, len(row) + 1, {})
         return {"list": number, "factors": between, "steps": steps}
+
+    def _training(self, number: int) -> Iterator[dict[str, Any]]:
+        """Yield the examples and questions of the lesson; each list orders its questions."""
+        lesson, training = self._lesson, self._design.file.training
+        if lesson is None or training is None:
+            return
+        keys = {id(one): key for one, key in zip(lesson.examples, self._training_keys, strict=True)}
+        output = {**self.output({}), "mapping": "friction"}
+        for i, step in enumerate(lesson.steps, 1):
+            yield {
+                "id": f"b0-e{i:03d}",
+                "type": "example",
+                "block": 0,
+                "text": step.text,
+                "captions": [one.caption for one in step.examples],
+                "output": output,
+                "stimuli": [keys[id(one)] for one in step.examples],
+            }
+        stream = RandomStream(self._design.file.seed, "training", number)
+        criterion = None if training.criterion is None else training.criterion / QUESTIONS
+        for i, step in enumerate(stream.shuffled(lesson.questions), 1):
+            yield {
+                "id": f"b0-p{i:03d}",
+                "type": "trial",
+                "task": self._design.file.task.name,
+                "phase": "practice",
+                "block": 0,
+                "repeat": 1,
+                "factors": {},
+                "output": output,
+                "stimuli": [keys[id(step.examples[0])]],
+                "correct": step.kind,
+                "feedback": True,
+                "criterion": criterion,
+                "rounds": training.most_rounds,
+                "attention": None,
+            }
 
     @property
     def _questionnaires(self) -> Any:

@@ -14,6 +14,7 @@ from overview_dsp import Gesture, Preset, RenderResult, Timeline, Trace, render
 from overview_dsp.cli.extensions import AngleMap, Keys, Value
 from overview_studies.design import FREE, NOTHING, Design
 from overview_studies.file_model import Level
+from overview_studies.training import GESTURE, keyed_examples, training_of
 
 RATE = 48_000
 TAIL_S = 3.0
@@ -52,6 +53,11 @@ class Stimulus:
         """True if it is the stimulus of catch trials, without events."""
         return self.names["timeline"] == NOTHING
 
+    @property
+    def is_training(self) -> bool:
+        """True if it is an example of the training, which no condition has."""
+        return self.names["gesture"] == GESTURE
+
     def matches(self, levels: Mapping[str, Level]) -> bool:
         """Return whether it has these levels; dimensions that it does not have are ignored."""
         return all(
@@ -82,7 +88,7 @@ class Stimulus:
 
 
 def stimuli_of(design: Design) -> list[Stimulus]:
-    """Return all stimuli of a design, in grid order."""
+    """Return all stimuli of a design: those of its training, then the others in grid order."""
     grid = design.grid
     keys = Keys(grid)
     timelines, presets = list(grid.timelines), list(grid.presets)
@@ -95,7 +101,7 @@ def stimuli_of(design: Design) -> list[Stimulus]:
             found = found.with_value(id, value)
         return found
 
-    found = []
+    found = _training_stimuli(design)
     for index in range(len(grid)):
         case = grid.case(index)
         name, gesture = timelines[case.timeline], gestures[case.gesture]
@@ -120,6 +126,27 @@ def stimuli_of(design: Design) -> list[Stimulus]:
             )
         )
     return found
+
+
+def _training_stimuli(design: Design) -> list[Stimulus]:
+    """Return the stimuli of the training, in the order of the examples of its lesson."""
+    lesson = training_of(design)
+    if lesson is None:
+        return []
+    preset, seed = next(iter(design.grid.presets)), design.file.seed
+    return [
+        Stimulus(
+            key,
+            {"timeline": name, "answer": example.kinds[0], "preset": preset, "gesture": GESTURE,
+             "seed": seed},
+            {},
+            example.timeline,
+            lesson.preset,
+            example.gesture,
+            seed,
+        )
+        for key, name, example in keyed_examples(design, lesson)
+    ]  # fmt: skip
 
 
 def samples_sha256(samples: NDArray[np.float32]) -> str:

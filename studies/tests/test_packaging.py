@@ -16,7 +16,7 @@ import pytest
 
 import overview_dsp as ov
 import overview_studies
-from overview_studies.cli import command
+from overview_studies.cli import command, learn
 from tests.cli.commands import commands
 from tests.cli.running import overview
 from tests.test_packaging import WITHOUT_EXTRAS, python
@@ -24,6 +24,7 @@ from tests.test_packaging import WITHOUT_EXTRAS, python
 STUDIES = Path(__file__).resolve().parents[1]
 PROJECT = tomllib.loads((STUDIES / "pyproject.toml").read_text(encoding="utf-8"))["project"]
 COMMANDS = {("study", *words): one for words, one in commands(command).items()}
+COMMANDS[("learn",)] = learn.command
 
 
 def test_it_is_of_the_packages_version_and_requires_it():
@@ -33,8 +34,10 @@ def test_it_is_of_the_packages_version_and_requires_it():
 
 
 def test_the_list_of_commands_has_it():
-    line = next(line for line in overview("--help").out.splitlines() if "  study " in line)
-    assert line.split(None, 1)[1] == PROJECT["description"]
+    for name in PROJECT["entry-points"]["overview_dsp.commands"]:
+        lines = overview("--help").out.splitlines()
+        line = next(line for line in lines if line.startswith(f"  {name} "))
+        assert line.split(None, 1)[1] == PROJECT["description"]
 
 
 @pytest.mark.parametrize("words", COMMANDS, ids=" ".join)
@@ -42,7 +45,7 @@ def test_every_commands_help_has_a_worked_example_and_a_json_option(words):
     outcome = overview(*words, "--help")
     assert outcome.code == 0
     assert outcome.out.startswith(f"Usage: overview {' '.join(words)} ")
-    assert "Example: overview study" in " ".join(outcome.out.split())
+    assert f"Example: overview {words[0]}" in " ".join(outcome.out.split())
     if not isinstance(COMMANDS[words], click.Group):
         assert "--json" in outcome.out
 
@@ -52,7 +55,7 @@ def test_without_a_server_all_but_its_routes_can_be_imported(tmp_path):
     code = WITHOUT_EXTRAS.replace("overview_dsp", "overview_studies")
     refused = ("starlette", "uvicorn", "websockets", "cryptography", "segno", "pyarrow", "fsspec")
     found = json.loads(python(code, tmp_path, tmp_path, *refused))
-    assert found == ["overview_studies.routes"]
+    assert found == ["overview_studies.lesson_routes", "overview_studies.routes"]
 
 
 def test_every_module_can_be_imported():
@@ -77,10 +80,13 @@ def installed(tmp_path_factory):
 
 
 def test_a_wheel_holds_the_page_the_licences_and_nothing_else(installed):
-    page = STUDIES / "overview_studies" / "page"
-    for file in page.rglob("*"):
-        if file.is_file():
-            place = installed / "overview_studies" / "page" / file.relative_to(page)
+    for page in ("page", "lesson_page"):
+        files = [
+            path for path in (STUDIES / "overview_studies" / page).rglob("*") if path.is_file()
+        ]
+        assert files
+        for file in files:
+            place = installed / file.relative_to(STUDIES)
             assert place.read_bytes() == file.read_bytes()
     (info,) = installed.glob("*.dist-info")
     assert {path.name for path in installed.iterdir()} == {"overview_studies", info.name}

@@ -81,8 +81,9 @@ def test_the_help_of_every_command_is_that_of_the_reference(monkeypatch):
 
 def without_studies(text: str) -> str:
     """The page of the reference without the commands of a distribution that is not installed."""
-    text = re.sub(r"\n## overview study\b.*?(?=\n## (?!overview study)|\Z)", "", text, flags=re.S)
-    return re.sub(r"(?m)^  study .*\n", "", text)
+    own = r"overview (study|learn)\b"
+    text = re.sub(rf"\n## {own}.*?(?=\n## (?!{own})|\Z)", "", text, flags=re.S)
+    return re.sub(r"(?m)^  (study|learn) .*\n", "", text)
 
 
 def test_every_command_stands_in_a_block_of_the_documentation_which_runs_as_a_test():
@@ -154,6 +155,7 @@ MEANINGS = {
     "--plot": "Plot|Draw",
     "--to": "[Ff]ormat",
     "--study": "folder",
+    "--timeline": "^Timeline",
 }
 """What the help of options has in common that isn't the same in all commands."""
 

@@ -15,9 +15,9 @@ import { eventText, momentText } from "./descriptions.js";
  * Return the sound of a host that plays (null if the page plays), and a function that adds the features.
  * @param {Server} server
  */
-export function openServer({ audio, media }) {
+export function openServer({ audio, media, pages }) {
   const host = audio === "host" ? new HostSound() : null;
-  return { host, serve: (/** @type {Page} */ page) => new Served(page, media, host) };
+  return { host, serve: (/** @type {Page} */ page) => new Served(page, media, pages, host) };
 }
 
 export class Served {
@@ -25,9 +25,10 @@ export class Served {
    * `page` gets the features; `host` is its sound if a host plays.
    * @param {Page} page
    * @param {Server["media"]} media
+   * @param {Server["pages"]} pages
    * @param {HostSound | null} host
    */
-  constructor(page, media, host) {
+  constructor(page, media, pages, host) {
     this.page = page;
     this.film = media && new MediaPlayer(media);
     this.editor = new PresetEditor((before, after, surface) => page.changePreset(before, after, surface), page.input);
@@ -38,6 +39,8 @@ export class Served {
       byId("dialog").close();
       this.editor.toggle(true);
     });
+    byId("learn").hidden = !pages.includes("learn");
+    byId("learn").addEventListener("click", () => location.assign("learn/"));
     this.presets = new PresetLink(page, this.editor);
     if (host) this.listenToHost(host);
   }

@@ -45,7 +45,8 @@ function partsOf(steps) {
 }
 
 function roundsOf(trials) {
-  const count = trials[0].criterion === null ? 1 : MAX_PRACTICE_ROUNDS;
+  const { criterion, rounds = MAX_PRACTICE_ROUNDS } = trials[0];
+  const count = criterion === null ? 1 : rounds;
   return Array.from({ length: count }, (_, i) =>
     trials.map((step) => (i === 0 ? step : { ...step, id: `${step.id}-${i + 1}` })));
 }
@@ -74,13 +75,13 @@ export function isWanted(rounds, round, answers) {
   });
 }
 
-/** Return whether instructions or a break are needed: steps of the block remain; a break only at its start. */
+/** Return whether a screen is needed: steps of the block remain; a break or an example only at its start. */
 function isNeeded(parts, at, answers) {
   const { first: { type, block } } = parts[at];
   const answerable = parts.slice(at + 1).filter(({ first }) =>
     ANSWERED.has(first.type) && first.block === block);
   const left = answerable.some((part) => !isOver(part, answers));
-  return left && (type !== "break" || !answerable.some(({ first, practice }) =>
+  return left && (!["break", "example"].includes(type) || !answerable.some(({ first, practice }) =>
     (practice ? practice[0] : [first]).some(({ id }) => answers.has(id) || answers.has(`${id}-001`))));
 }
 

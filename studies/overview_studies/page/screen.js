@@ -1,5 +1,6 @@
 // jsPsych plugin for screens without trials: instructions, breaks, consent and questionnaires.
 
+import { showExample } from "./example.js";
 import { formOf } from "./forms.js";
 import { button, retryUntilDone, make, paragraphs, pressed } from "./make.js";
 import { VERSION } from "./trial.js";
@@ -17,7 +18,8 @@ export function screenPlugin(kit) {
 
     async trial(display, { step }, onLoad) {
       kit.progress();
-      const response = await (step.type === "form" ? showForm : showText)(kit, display, step, onLoad);
+      const shown = SCREENS[step.type] ?? showText;
+      const response = await shown(kit, display, step, onLoad);
       return { trial_id: step.id, response };
     }
   };
@@ -81,6 +83,8 @@ function filled(kit, display, form) {
     if (form.consent) display.append(button("I do not agree", () => kit.leave()));
   });
 }
+
+const SCREENS = { form: showForm, example: showExample };
 
 const TITLES = { tlx: "How was it?", comments: "Comments", about: "About you" };
 

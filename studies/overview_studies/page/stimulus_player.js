@@ -10,6 +10,7 @@ const RELEASE_TIMEOUT_MS = 500; // far longer than the lead time of input events
 const RATES = [48_000, 44_100]; // rates in the folder
 const MAX_FILES = 96; // in memory, half a megabyte each
 const MAX_REST_S = 3;
+const HELD_REST_S = 0.5; // after a gesture without a release, the disk stays away from its rest
 const START_MS = 5000;
 const SILENT = "the audio output does not start; check the output of this device, then try again";
 
@@ -94,7 +95,9 @@ export class StimulusPlayer {
     const wasm = output.mapping === "static" ? null : await this.wasm();
     const rows = events === null ? new Float64Array(0) : rowsOf(events, this.rate);
     const source = output.mapping === "static" ? { mapping: memory } : { image: memory, wasm };
-    return new Presentation(this.context, { ...source, events: rows }, output);
+    const presentation = new Presentation(this.context, { ...source, events: rows }, output);
+    if (events?.at(-1)?.touching) presentation.longestRest_s = HELD_REST_S;
+    return presentation;
   }
 
   /** Switch the masking noise on or off. */
@@ -166,6 +169,7 @@ export class Presentation {
     this.events = []; // events of the take
     this.state = { clock: 0, cursor: 0, rests: true };
     this.pendingReads = [];
+    this.longestRest_s = MAX_REST_S;
     /** Called with a message when the audio thread fails. */
     this.onfault = /** @type {(line: string) => void} */ (() => {});
     this.node.port.onmessage = ({ data }) => {
@@ -199,7 +203,7 @@ export class Presentation {
   /** Wait for `duration_s` and for rest, with calls of `onstate`; resolves to false if stopped. */
   async rested(duration_s, onstate = /** @type {(state: any) => void} */ (() => {})) {
     const least = duration_s * this.rate;
-    const most = least + MAX_REST_S * this.rate;
+    const most = least + this.longestRest_s * this.rate;
     while (!this.stopped) {
       const { clock, rests } = await this.readState();
       onstate(this.state);
