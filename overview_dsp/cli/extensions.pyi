@@ -35,7 +35,7 @@ from overview_dsp.files.toml import (
     read_text as read_text,
 )
 from overview_dsp.kernels.layout import CLICK as CLICK, TACTOR as TACTOR
-from overview_dsp.live.output.saved_settings import resolve_output as resolve_output
+from overview_dsp.live.output.settings import resolve_output as resolve_output
 from overview_dsp.measure.perceived_level import stroke_feel as stroke_feel
 from overview_dsp.offline.plots import style
 from overview_dsp.offline.plots.saving import save_figure as save_figure
