@@ -8,7 +8,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 from overview_dsp import validation
-from overview_dsp.design.presets.describe import preset_page
+from overview_dsp.design.presets.notebook import preset_page
 from overview_dsp.design.presets.parameter import Value
 from overview_dsp.design.presets.parameters import (
     KIND_PARAMETERS,
