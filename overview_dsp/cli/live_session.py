@@ -71,7 +71,7 @@ def open_player(
 
     OverviewError: a device, file or value can't be used.
     """
-    from overview_dsp.live.session.opened_player import OpenedPlayer, PlayerSettings
+    from overview_dsp.live.session.player import OpenedPlayer, PlayerSettings
 
     settings = PlayerSettings(
         data.preset,

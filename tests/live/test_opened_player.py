@@ -8,7 +8,7 @@ import overview_dsp as ov
 from overview_dsp.live.output import settings as output_settings
 from overview_dsp.live.output.settings import OutputSettings, resolve_output, save_settings
 from overview_dsp.live.session.commands import poll
-from overview_dsp.live.session.opened_player import OpenedPlayer, PlayerSettings
+from overview_dsp.live.session.player import OpenedPlayer, PlayerSettings
 
 
 @pytest.fixture
