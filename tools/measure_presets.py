@@ -24,7 +24,7 @@ from typing import Any
 
 import overview_dsp as ov
 from overview_dsp.batch.grid import KEY_DIGITS, preset_digest
-from overview_dsp.offline.rendering.audition import pages
+from overview_dsp.measure.pictures import pages
 
 FOLDER = Path(__file__).parent.parent / "presets" / "feel"
 

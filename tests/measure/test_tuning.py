@@ -11,9 +11,9 @@ import overview_dsp as ov
 from overview_dsp.design.gestures import sweep
 from overview_dsp.design.presets.text_update import save_updated
 from overview_dsp.measure import tuning
+from overview_dsp.measure.pictures import pages
 from overview_dsp.measure.report import feel_report
 from overview_dsp.measure.tuning import JUDGED, ORDERED_JNDS, REST, gaps_of, rearranged, tune
-from overview_dsp.offline.rendering.audition import pages
 from tests.cli.running import MATCH, overview
 from tests.measure.test_feel_report import SWEEPS, preset_of, timeline_of
 

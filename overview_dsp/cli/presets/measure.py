@@ -68,9 +68,9 @@ def audition(
 
     Left has the clicks, right the tactor signal. The picture is written beside the sound file.
     """
+    from overview_dsp.measure.pictures import audition as sound
     from overview_dsp.measure.pictures import plot_gallery
     from overview_dsp.offline.plots.saving import save_figure
-    from overview_dsp.offline.rendering.audition import audition as sound
 
     loaded = ov.load_preset(preset)
     path = Path(output) if output is not None else Path(f"{loaded.name}-audition.wav")
@@ -150,9 +150,8 @@ def _measured(
     preset: Preset, timelines: list[Timeline]
 ) -> tuple[list[Report], Callable[[], Figure]]:
     from overview_dsp.measure.arm import arm_report
-    from overview_dsp.measure.pictures import plot_feel
+    from overview_dsp.measure.pictures import pages, plot_feel
     from overview_dsp.measure.report import feel_report
-    from overview_dsp.offline.rendering.audition import pages
 
     announce_compile()
     measured = timelines or pages(preset)

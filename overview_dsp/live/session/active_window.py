@@ -18,10 +18,9 @@ from overview_dsp.design.presets.model import Preset
 from overview_dsp.errors import InputError, OverviewError, OverviewWarning
 from overview_dsp.live.session.presets import PresetPair
 from overview_dsp.live.session.session import Session
-from overview_dsp.signal.engine.replay import apply_change
+from overview_dsp.signal.engine.replay import apply_change, join_surfaces
 from overview_dsp.signal.surface.angle_map import SHARE, AngleMap
 from overview_dsp.signal.surface.build import build_surface
-from overview_dsp.signal.surface.live_update import join_surfaces
 
 _NUMBER = re.compile(r"\d[\d.:e+-]*")
 

@@ -19,8 +19,8 @@ from overview_dsp.design.gestures import sweep
 from overview_dsp.design.presets import library
 from overview_dsp.design.presets.parameters import PARAMETERS
 from overview_dsp.measure.arm import arm_report
+from overview_dsp.measure.pictures import pages
 from overview_dsp.measure.report import character_distance, feel_report
-from overview_dsp.offline.rendering.audition import pages
 from tests.design.presets.strategies import values
 
 NAMES = ov.bundled_presets()

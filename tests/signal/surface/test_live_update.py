@@ -8,8 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import overview_dsp as ov
+from overview_dsp.signal.engine.replay import BLEND, join_surfaces
 from overview_dsp.signal.surface.build import build_surface
-from overview_dsp.signal.surface.live_update import BLEND, join_surfaces
 
 FOOTBALL = ov.load_preset("football")
 BEFORE = [(0.0, "period"), (300.0, "foul"), (700.0, "near_miss"), (1400.0, "goal")]

@@ -37,8 +37,7 @@ from overview_dsp.data.readers.cardiac.build import (
 )
 from overview_dsp.data.readers.cardiac.wfdb_signal import best_signal, index_of
 from overview_dsp.data.readers.data_file import MAX_TEXT_BYTES, DataFile, LoadOptions
-from overview_dsp.data.readers.tables.cells import TOKENS, parse
-from overview_dsp.data.readers.tables.decimal_mark import choose_decimal_mark
+from overview_dsp.data.readers.tables.cells import TOKENS, choose_decimal_mark, parse
 from overview_dsp.data.readers.tables.delimited import DelimitedTable
 from overview_dsp.data.readers.tables.dialect import Dialect, detect, head_lines
 from overview_dsp.data.readers.tables.table import (

@@ -20,7 +20,7 @@ from typing import Any
 from overview_dsp.data.analysis.curve_maps import Map
 from overview_dsp.data.readers.data_file import LoadOptions
 from overview_dsp.data.readers.series.rows import with_settled_order
-from overview_dsp.data.readers.tables.cells import parse
+from overview_dsp.data.readers.tables.cells import choose_decimal_mark, parse
 from overview_dsp.data.readers.tables.column_roles import (
     TimeChoice,
     choose_time,
@@ -30,7 +30,6 @@ from overview_dsp.data.readers.tables.column_roles import (
     is_price_table,
     price_columns,
 )
-from overview_dsp.data.readers.tables.decimal_mark import choose_decimal_mark
 from overview_dsp.data.readers.tables.table import (
     Column,
     Columns,

@@ -7,8 +7,7 @@ from pathlib import Path
 import pytest
 
 from overview_dsp.data.readers import load_timeline
-from overview_dsp.data.readers.tables.cells import looks_numeric, parse
-from overview_dsp.data.readers.tables.decimal_mark import detect_decimal_mark
+from overview_dsp.data.readers.tables.cells import detect_decimal_mark, looks_numeric, parse
 from overview_dsp.errors import InputError
 from tests.data.readers.tables.made import load, values
 
