@@ -13,9 +13,10 @@
 `live_data` has the routes `GET /live/...` of a live timeline.
 
 ``server`` of ``data/timeline.json`` is ``{"audio": "here" or "host", "window": [start_s, end_s],
-"media": {"url", "type", "offset_s"} or null, "pages": [names]}``. `audio` is the machine that plays the sound,
-`window` the first visible window, `pages` the entry points of `overview_dsp.pages` in other
-distributions: each makes the routes of ``/NAME/`` from a preset. A reloaded page uses the current content of the preset file.
+"media": {"url", "type", "offset_s"} or null, "pages": [names]}``. `audio` is the machine that plays
+the sound, `window` the first visible window, `pages` the entry points `overview_dsp.pages` of other
+distributions: each makes the routes of ``/NAME/`` from a preset. A reloaded page uses the current
+content of the preset file.
 
 ``/preset/changes`` sends server-sent events in the format of ``/data/preset``: first the current
 preset, then each valid change of its file. For an invalid file it sends ``event: refused`` with the

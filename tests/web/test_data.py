@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 from dataclasses import replace
+from importlib.metadata import entry_points
 
 import numpy as np
 import pytest
@@ -81,6 +82,7 @@ def test_a_page_receives_what_sounds_and_what_it_shows_first(page, match):
         "audio": "here",
         "window": [0.0, match.duration_s],
         "media": {"url": "/media", "type": "video/mp4", "offset_s": -3.5},
+        "pages": [*entry_points(group="overview_dsp.pages").names],
     }
 
 
