@@ -6,12 +6,9 @@
 | football-data.org 4 | `matches/...`, with `goals` and `bookings` |
 | OpenLigaDB | `getmatchdata/...`, with goals only |
 
-Of a match in progress the timeline is known until the minute of the document, or until its last
-event if it has no minute. Events are in the middle of their minute (`minutes.py`).
-
-Services repeat events for a while, and keep goals that the video referee has withdrawn. An event
-that is listed twice is read once; a goal that is withdrawn is left out. Where the document has the
-score, a goal that the score counts stays, so two goals of one player in one minute are both read.
+A match in progress is known until the minute of the document, or until its last event. Events are
+in the middle of their minute (`minutes.py`). Services list events twice for a while, and keep goals
+that the video referee has withdrawn. Both are left out, unless the score counts the goal.
 """
 
 from __future__ import annotations
@@ -134,11 +131,7 @@ class _Row:
 
 @dataclass(frozen=True)
 class _Match:
-    """Match of any service.
-
-    `until`: minute until which it is known; None if it is finished.
-    `rows`: events; None if the document has scores only.
-    """
+    """Match of any service, known until minute `until`; None: finished. No `rows`: scores only."""
 
     service: str
     id: str
@@ -180,10 +173,7 @@ def matches(source: DataFile) -> list[str]:
 def read(source: DataFile, options: LoadOptions) -> Timeline:
     """Read one match (takes `match`).
 
-    Raises
-    ------
-    InputError
-        The document is invalid, reports an error, has scores only, or its match has not begun.
+    InputError: it is invalid, reports an error, has scores only, or its match has not begun.
     """
     listed = _matches(source.json)
     ids = [match.id for match in listed]
