@@ -43,7 +43,7 @@ def python(code: str, folder: Path, path: Path = ROOT, *arguments: str, **variab
 SERVER = {
     f"overview_dsp.{name}"
     for name in (
-        *("web.app", "web.certificate", "web.control"),
+        *("web.certificate", "web.control"),
         *("web.data", "web.live_data", "web.media", "web.static_publisher"),
         *("web.security.middleware", "web.server"),
     )

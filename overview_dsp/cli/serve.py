@@ -75,7 +75,7 @@ def command(
             refuse_options("needs --audio host", Output, Session)
         routes = data.routes(audio, choice.linear, None if media is None else _film(media))
         if publish is not None and data.follow is not None:
-            from overview_dsp.web.static_site import StaticPublisher
+            from overview_dsp.web.static_publisher import StaticPublisher
 
             preset = choice.load(data.preset)
             stack.callback(StaticPublisher(data.follow.live, preset, publish, note).close)

@@ -5,17 +5,6 @@ and a digest. The page's service worker stores these files and renews them when 
 
 The start page has the timeline's title, a preview picture for shared links, and preload tags for
 the first data files. A gallery is an index page, and one subfolder per timeline.
-
-The folder of a live timeline has a subfolder `live/`, too::
-
-    now.json              the notice of the current version (`live_data`); pages poll it
-    VERSION-RATE.update   the complete update to that version
-    VERSION-points.json   the values of a series
-
-A version's files never change, so they can be cached. `now.json` is replaced after they are
-written. Earlier versions stay for pages that are loading them.
-
-Thread: that of the publisher is its own.
 """
 
 from __future__ import annotations
@@ -27,24 +16,18 @@ import itertools
 import json
 import os
 import re
-import threading
-from collections import deque
 from collections.abc import Callable, Sequence
-from pathlib import Path
 from string import Template
 from typing import Any
 
-from overview_dsp.data.feeds.live_timeline import LiveTimeline
 from overview_dsp.data.timeline import Timeline
 from overview_dsp.design.presets.model import Preset
-from overview_dsp.errors import OverviewError
-from overview_dsp.files.atomic import atomic_folder, write_file
+from overview_dsp.files.atomic import atomic_folder
 from overview_dsp.signal.actuators.model import Actuator
 from overview_dsp.signal.surface.angle_map import AngleMap
 from overview_dsp.web.assets import START, WEB, folder_files, page_files
-from overview_dsp.web.live_data import LiveData
-from overview_dsp.web.site_content import RATES, SiteContent
-from overview_dsp.web.site_data import default_levels, has_values, points_json
+from overview_dsp.web.site_content import SiteContent
+from overview_dsp.web.site_data import default_levels
 
 PICTURE = "preview.png"
 WIDTH, HEIGHT = 1200, 630
@@ -217,77 +200,3 @@ def _gallery_page(timelines: Sequence[Timeline], names: Sequence[str], address: 
     tags = "\n  ".join(link_tags(_GALLERY_TITLE, f"{names[0]}/{PICTURE}", address))
     page = Template((WEB / "gallery.html").read_text(encoding="utf-8"))
     return page.substitute(title=_GALLERY_TITLE, tags=tags, items=items)
-
-
-INTERVAL_S = 2.0
-"""Time between two versions, and between two requests of a page."""
-
-KEPT_VERSIONS = 3
-"""Number of earlier versions that stay in the folder."""
-
-
-class StaticPublisher:
-    """Updates a static folder with a live timeline until it is closed."""
-
-    def __init__(
-        self,
-        live: LiveTimeline,
-        preset: Preset,
-        path: str | os.PathLike[str],
-        report: Callable[[str], None],
-        interval_s: float = INTERVAL_S,
-    ) -> None:
-        """Write the folder and start the thread; `report` receives later errors.
-
-        InputError if the folder can't be written, or contains other files.
-        """
-        self._data = LiveData(live, lambda: preset)
-        self._live = live
-        self._report = report
-        self._interval_s = interval_s
-        self._versions: deque[list[Path]] = deque()
-        description = {"levels": 0, "version": self._data.version, "poll_s": interval_s}
-        write_site(self._data.timeline, preset, path, levels=0, live=description)
-        self._folder = Path(path) / "live"
-        self._folder.mkdir(exist_ok=True)
-        self._publish()
-        self._closing = threading.Event()
-        self._thread = threading.Thread(target=self._run, name="publishing", daemon=True)
-        self._thread.start()
-
-    def close(self) -> None:
-        """Publish the newest version and stop."""
-        self._closing.set()
-        self._thread.join()
-
-    def _run(self) -> None:
-        last_error = ""
-        closing = False
-        while not closing:
-            closing = self._closing.wait(self._interval_s)
-            if self._live.revision == self._data.version:
-                continue
-            self._data.refresh()
-            try:
-                self._publish()
-            except OverviewError as error:
-                if str(error) != last_error:
-                    self._report(str(error))
-                last_error = str(error)
-
-    def _publish(self) -> None:
-        version = self._data.version
-        files = []
-        for rate in RATES:
-            files.append(self._folder / f"{version}-{rate}.update")
-            write_file(files[-1], self._data.update(-1, rate))
-        timeline = self._data.timeline
-        if has_values(timeline):
-            files.append(self._folder / f"{version}-points.json")
-            points = points_json(timeline, 0.0, timeline.duration_s)
-            write_file(files[-1], json.dumps(points))
-        write_file(self._folder / "now.json", json.dumps(self._data.notice(0)))
-        self._versions.append(files)
-        while len(self._versions) > KEPT_VERSIONS + 1:
-            for old in self._versions.popleft():
-                old.unlink(missing_ok=True)

@@ -14,6 +14,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Iterator
+from importlib.metadata import entry_points
 from pathlib import Path
 
 import httpx
@@ -92,7 +93,9 @@ def test_with_audio_at_the_host_a_page_moves_the_disk(tmp_path):
     with running(*arguments, folder=tmp_path) as server:
         told = httpx.get(server.origin + "/data/timeline.json", headers=server.headers).json()
         assert (told["preset"], told["duration_s"]) == ("football", 1000.0)
-        assert told["server"] == {"audio": "host", "window": [0.0, 1000.0], "media": None}
+        pages = [one.name for one in entry_points(group="overview_dsp.pages")]
+        shown = {"audio": "host", "window": [0.0, 1000.0], "media": None, "pages": pages}
+        assert told["server"] == shown
         address = server.origin.replace("http", "ws") + "/control"
         with connect(address, additional_headers=server.headers, proxy=None) as page:
             for place in (0.2, 0.3, 0.4):

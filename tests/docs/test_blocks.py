@@ -14,7 +14,7 @@ from tests.docs.markdown_blocks import ROOT, Block, all_blocks, blocks_of
 from tests.docs.page_runner import Page, parsed, understood, without_modules
 
 BLOCKS = all_blocks()
-SHOWN = {"text", "c", "cpp", "js", "toml", "json"}
+SHOWN = {"text", "c", "cpp", "js", "html", "toml", "json"}
 """Languages that are read, not run."""
 
 DEVICES = {
@@ -92,7 +92,7 @@ def test_a_block_that_needs_a_device_is_understood(block):
         compile(block.text, block.name, "exec")
         return
     assert block.language == "sh"
-    if "overview study" in block.text:
+    if "overview study" in block.text or "overview learn" in block.text:
         pytest.importorskip("overview_studies", reason="needs the studies: pip install ./studies")
     for line in block.text.splitlines():
         understood(line)

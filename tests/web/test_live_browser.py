@@ -13,7 +13,7 @@ import pytest
 
 import overview_dsp as ov
 from overview_dsp.web.media import open_media
-from overview_dsp.web.static_site import StaticPublisher
+from overview_dsp.web.static_publisher import StaticPublisher
 from tests.live.stepped_session import event
 from tests.web.driving import at, until
 from tests.web.serving import served

@@ -19,7 +19,7 @@ import overview_dsp as ov
 from overview_dsp.signal.surface.build import build_surface
 from overview_dsp.web.live_data import LiveData
 from overview_dsp.web.sound_data import window_bytes
-from overview_dsp.web.static_site import KEPT_VERSIONS, StaticPublisher
+from overview_dsp.web.static_publisher import KEPT_VERSIONS, StaticPublisher
 from tests.live.stepped_session import event
 from tests.web.serving import served
 

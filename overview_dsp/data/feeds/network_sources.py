@@ -107,10 +107,7 @@ class Http:
             yield from _wait(_required_wait_s(response.headers, every_s))
 
     def _request(self, header: str, variable: str, every_s: float) -> Any:
-        """Return the response; None if the file has not changed.
-
-        `header` and `variable` are those of the service's key, "" without one.
-        """
+        """Return the response, None if unchanged; `header` and `variable` of the key may be ""."""
         key = os.environ.get(variable, "").strip() if variable else ""
         request = urllib.request.Request(self.name)
         if key:

@@ -1,8 +1,7 @@
-"""Look-ahead limiter: keeps true peaks below a ceiling, without distorting the clicks' shape.
+"""Look-ahead limiter: keeps true peaks (ITU-R BS.1770-5, annex 2) below a ceiling.
 
-True peaks are those of the signal with four times its rate (ITU-R BS.1770-5, annex 2). The gain is
-known for the whole render before it is applied: the minimum over the look-ahead, then its mean over
-the same time, so it changes smoothly and is low enough at each peak.
+The gain is known for the whole render before it is applied: the minimum over the look-ahead, then
+its mean over the same time. So it changes smoothly and is low enough at each peak.
 """
 
 from __future__ import annotations
@@ -23,10 +22,7 @@ _LEAST_FRAMES = 1 << 14  # frames that are interpolated at once
 
 
 class TruePeaks:
-    """Meter for the true peak of each step of 1 ms, fed with blocks.
-
-    `step_frames`: frames of a step.
-    """
+    """Meter for the true peak of each step of 1 ms (`step_frames`), fed with blocks."""
 
     def __init__(self, sample_rate: float) -> None:
         self.step_frames = max(round(STEP_S * sample_rate), 1)
@@ -57,12 +53,8 @@ class TruePeaks:
 class Limiter:
     """Gain that is lowered where the peaks would be above a ceiling.
 
-    Parameters
-    ----------
-    peaks, step_frames
-        True peak and frames of each step, from `TruePeaks`.
-    gain, ceiling
-        Gain outside of the peaks, and highest peak, linear.
+    `peaks`, `step_frames`: true peak and frames of each step, from `TruePeaks`.
+    `gain`, `ceiling`: gain outside of the peaks, and highest peak, linear.
     """
 
     def __init__(self, peaks: FloatArray, step_frames: int, gain: float, ceiling: float) -> None:

@@ -127,7 +127,7 @@ class RenderResult(SavableSound, Generic[Traced]):
             raise InputError("the result has no trace to plot; render with trace=True")
         title = f"{self.engine.timeline.title}, preset {self.engine.preset.name}"
         return plot_with(
-            "offline.plots.strokes", "plot_strokes", [("", self)], self.engine.timeline, title
+            "offline.plots.paper", "plot_strokes", [("", self)], self.engine.timeline, title
         )
 
     def _repr_html_(self) -> str:
