@@ -143,7 +143,9 @@ def test_keys_that_come_faster_than_the_screen_all_count(player):
         player.touch(0.5)
         for _ in range(10):
             app.action_press("right")
-        assert await until(pilot, lambda: abs(cursor(player) - 0.6) < 0.002)
+        # the finger is exact; how near the disk comes depends on when each key reached it
+        assert await until(pilot, lambda: applied(player)[-1] == (True, pytest.approx(0.6)))
+        assert await until(pilot, lambda: abs(cursor(player) - 0.6) < 0.02)
 
     drive(player, script)
 
