@@ -17,7 +17,8 @@ commands   `cli_command`, `option`, `SECONDS`: a command with the options in its
            `ended_by_signals`, `wait_for_end`, `exit_if_stopped`: handling of
            signals; `Server`, `require_server`, `open_server`: a server with a token
 files      `atomic_folder`, `write_file`, `sound_bytes`; `read_text`, `parse_toml`,
-           `faults_at_their_line`: TOML, with errors that name the line
+           `faults_at_their_line`: TOML, with errors that name the line; `read_table`,
+           `write_table`: JSON settings of the user
 grids      `RenderGrid`, `Keys`, `KEYS`, `JobsTable`, `read_grid`, `PROGRAM`: the cases of
            a jobs file, and the cache key of each
 signal     `CLICK`, `TACTOR`, `SOURCES`, `Value`, `AngleMap`, `stroke_feel`

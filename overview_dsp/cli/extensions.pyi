@@ -28,6 +28,7 @@ from overview_dsp.cli.signals import (
 from overview_dsp.design.gestures.model import SOURCES as SOURCES
 from overview_dsp.design.presets.parameter import Value as Value
 from overview_dsp.files.atomic import atomic_folder as atomic_folder, write_file as write_file
+from overview_dsp.files.json_table import read_table as read_table, write_table as write_table
 from overview_dsp.files.sound import sound_bytes as sound_bytes
 from overview_dsp.files.toml import (
     faults_at_their_line as faults_at_their_line,

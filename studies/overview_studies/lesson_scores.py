@@ -6,16 +6,15 @@ lesson that has begun: `seed`, `digest`, `whole`, `done` (number of completed st
 
 from __future__ import annotations
 
-import json
 from collections import Counter
 from collections.abc import Callable
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
-from typing import Any
 
 import platformdirs
+from pydantic import TypeAdapter, ValidationError
 
-from overview_dsp.cli.extensions import write_file
+from overview_dsp.cli.extensions import read_table, write_table
 from overview_dsp.errors import InputError
 from overview_studies.lesson import QUESTIONS, Lesson, Step, label
 
@@ -49,6 +48,26 @@ class Score:
         )
         mistakes = f" Confused: {', '.join(pairs)}." if counts else ""
         return f"{self.right} of {self.of} right.{mistakes}"
+
+
+@dataclass(frozen=True)
+class Progress:
+    """How far a pass has come."""
+
+    seed: int
+    digest: str
+    whole: bool
+    done: int = 0
+    answers: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class _Entry:
+    scores: tuple[Score, ...] = ()
+    progress: Progress | None = None
+
+
+_ENTRY = TypeAdapter(_Entry)
 
 
 def scores_file() -> Path:
@@ -87,21 +106,23 @@ class Attempt:
         again: bool = False,
     ) -> None:
         self._path, self._name, self._today = path or scores_file(), name, today
-        entry = self._read().get(name, {})
-        self.scores = [_score(one) for one in entry.get("scores", [])]
-        progress = entry.get("progress")
-        seed = len(self.scores) if progress is None else int(progress["seed"])
+        entry = self._read()
+        self.scores, progress = entry.scores, entry.progress
+        seed = len(self.scores) if progress is None else progress.seed
         self.lesson = make(seed)
-        if progress is not None and progress["digest"] != self.lesson.digest:
+        if progress is not None and progress.digest != self.lesson.digest:
             progress = None  # of another version of the preset
-        self.resumed = progress is not None and not (again and not progress["whole"])
+        self.resumed = progress is not None and not (again and not progress.whole)
         if progress is None or not self.resumed:
-            progress = {"seed": seed, "digest": self.lesson.digest, "done": 0, "answers": [],
-                        "whole": again or not self.scores}  # fmt: skip
-        self._progress: dict[str, Any] = progress
+            progress = Progress(seed, self.lesson.digest, again or not self.scores)
+        self._progress = progress
         questions = self.lesson.questions
-        self.steps = (*self.lesson.steps, *questions) if progress["whole"] else questions
+        self.steps = (*self.lesson.steps, *questions) if progress.whole else questions
         self.score: Score | None = None
+        answered = [step for step in self.steps[: self.done] if step.part == "question"]
+        unknown = set(self.answers) - set(self.lesson.choices)
+        if not 0 <= self.done < len(self.steps) or len(answered) != len(self.answers) or unknown:
+            raise self._damaged("not of this lesson", "progress")
 
     @property
     def path(self) -> Path:
@@ -111,12 +132,12 @@ class Attempt:
     @property
     def done(self) -> int:
         """Number of completed steps."""
-        return int(self._progress["done"])
+        return self._progress.done
 
     @property
     def answers(self) -> tuple[str, ...]:
         """Answers to the questions so far."""
-        return tuple(self._progress["answers"])
+        return self._progress.answers
 
     @property
     def current(self) -> Step | None:
@@ -131,7 +152,7 @@ class Attempt:
     @property
     def welcome(self) -> str:
         """Text about the lesson and the last score."""
-        kinds, whole = len(self.lesson.kinds), self._progress["whole"]
+        kinds, whole = len(self.lesson.kinds), self._progress.whole
         length = f"about {self.lesson.minutes} min" if whole else f"{QUESTIONS} questions"
         text = f"{self.lesson.title}: {kinds} kinds, {length}."
         if self.last is not None:
@@ -157,8 +178,8 @@ class Attempt:
             raise InputError(f"step {step}: only a question has an answer")
         if answer is not None and answer not in self.lesson.choices:
             raise InputError(f"answer {answer!r}: must be one of {', '.join(self.lesson.choices)}")
-        answers = [*self.answers, *([] if answer is None else [answer])]
-        self._progress = {**self._progress, "done": step + 1, "answers": answers}
+        answers = self.answers if answer is None else (*self.answers, answer)
+        self._progress = replace(self._progress, done=step + 1, answers=answers)
         if self.current is None:
             self.score = self._result()
         self._write()
@@ -169,31 +190,24 @@ class Attempt:
         mistakes = tuple(pair for pair in pairs if pair[0] != pair[1])
         return Score(self._today, len(pairs) - len(mistakes), len(pairs), mistakes)
 
-    def _read(self) -> dict[str, Any]:
+    def _read(self) -> _Entry:
         try:
-            found = json.loads(self._path.read_text(encoding="utf-8"))
-        except FileNotFoundError:
-            return {}
-        except (OSError, ValueError) as error:
-            raise InputError(f"{self._path}: cannot be read ({error}); delete it") from None
-        if not isinstance(found, dict):
-            raise InputError(f"{self._path}: must be a table of lessons; delete it")
-        return found
+            return _ENTRY.validate_python(self._table().get(self._name, {}))
+        except ValidationError as error:
+            first = error.errors()[0]
+            raise self._damaged(first["msg"], *first["loc"]) from None
+
+    def _table(self) -> dict[str, object]:
+        return read_table(self._path, "must be a table of lessons")
+
+    def _damaged(self, fault: str, *keys: object) -> InputError:
+        where = ".".join(map(str, (self._name, *keys)))
+        return InputError(f"{self._path}: {where}: {fault}; correct or delete it")
 
     def _write(self) -> None:
-        # read again, since another lesson may have changed the file
-        table = self._read()
-        scores = [asdict(one) for one in self.scores]
-        entry: dict[str, Any] = {"scores": scores}
         if self.score is None:
-            entry["progress"] = self._progress
+            entry = _Entry(self.scores, self._progress)
         else:
-            scores.append(asdict(self.score))
-        table[self._name] = entry
-        self._path.parent.mkdir(parents=True, exist_ok=True)
-        write_file(self._path, json.dumps(table, indent=1, ensure_ascii=False) + "\n")
-
-
-def _score(row: dict[str, Any]) -> Score:
-    pairs = tuple((str(kind), str(answer)) for kind, answer in row["confused"])
-    return Score(str(row["date"]), int(row["right"]), int(row["of"]), pairs)
+            entry = _Entry((*self.scores, self.score))
+        # read again, since another lesson may have changed the file
+        write_table(self._path, {**self._table(), self._name: asdict(entry)})

@@ -200,7 +200,16 @@ def test_wrong_steps_and_answers_are_refused_and_nothing_is_stored(tmp_path):
 
 def test_a_damaged_file_of_scores_is_reported_and_not_overwritten(tmp_path):
     path = tmp_path / "lessons.json"
-    for text in ("{", "[]"):
+    attempt(path, "2026-11-20").complete(0)
+    begun = json.loads(path.read_text())
+    progress = begun["plain"]["progress"]
+    changes = (
+        {"done": 1_000_000}, {"done": -1}, {"done": "x"}, {"answers": ["goal"]}, {"answers": 3},
+        {"seed": None}, {"whole": "perhaps"}, {"digest": 1},
+    )  # fmt: skip
+    entries = [{"progress": {**progress, **change}} for change in changes]
+    entries += [[], 3, {"scores": 3}, {"scores": [{"date": "2026-11-20"}]}, {"progress": []}]
+    for text in ("{", "[]", *(json.dumps({"plain": entry}) for entry in entries)):
         path.write_text(text)
         with pytest.raises(InputError, match=r"lessons\.json"):
             attempt(path, "2026-11-20")
