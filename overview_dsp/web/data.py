@@ -48,7 +48,7 @@ from overview_dsp.design.presets.library import load_preset
 from overview_dsp.design.presets.model import Preset
 from overview_dsp.design.presets.serialization import preset_to_dict
 from overview_dsp.design.presets.writing import preset_toml
-from overview_dsp.errors import InputError
+from overview_dsp.errors import InputError, warn
 from overview_dsp.live.session.presets import PresetWatch
 from overview_dsp.signal.surface.angle_map import without_map
 from overview_dsp.web import sound_data
@@ -97,7 +97,7 @@ def data_routes(
     is_library_name = any(preset in names for names in preset_names().values())
     first_name = load_preset(preset).name
 
-    pages = entry_points(group="overview_dsp.pages")
+    pages = _pages_of_packages(preset)
 
     def adapted(preset: Preset) -> Preset:
         return without_map(preset) if linear else preset
@@ -120,7 +120,7 @@ def data_routes(
             "audio": audio,
             "window": list(first or (0.0, current.duration_s)),
             "media": None if media is None else media.describe(),
-            "pages": [page.name for page in pages],
+            "pages": list(pages),
         }
         return SiteContent(
             current,
@@ -194,13 +194,25 @@ def data_routes(
         Route("/data/window", threaded_endpoint(window), methods=["POST"]),
         Route("/data/{file}", threaded_endpoint(file)),
         Route("/sound/{file}", threaded_endpoint(file)),
-        *(Mount(f"/{page.name}", routes=page.load()(preset)) for page in pages),
+        *(Mount(f"/{name}", routes=routes) for name, routes in pages.items()),
     ]
     if live is not None:
         routes = [*LiveData(live, lambda: content.preset).routes(), *routes]
     if media is not None:
         routes.append(Route("/media", media.send))
     return routes
+
+
+def _pages_of_packages(preset: str) -> dict[str, list[BaseRoute]]:
+    """Return the routes of the pages of installed packages, by name."""
+    found = {}
+    for page in entry_points(group="overview_dsp.pages"):
+        try:
+            found[page.name] = page.load()(preset)
+        except Exception as error:  # its import may raise any error
+            package = "?" if page.dist is None else page.dist.name
+            warn(f"the page {page.name} of {package} can't be shown ({error}); left out")
+    return found
 
 
 async def _preset_events(name: str, linear: bool) -> AsyncIterator[str]:

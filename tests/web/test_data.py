@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import re
 from dataclasses import replace
-from importlib.metadata import entry_points
+from importlib.metadata import EntryPoint, entry_points
 
 import numpy as np
 import pytest
@@ -330,3 +330,14 @@ def test_each_kind_has_its_own_mark_which_the_page_can_draw(known, football, tmp
     assert {shape.removeprefix("open_") for shape in shapes} <= set(
         re.findall(r"^  (\w+):", drawn[1], re.M)
     )
+
+
+def test_a_page_of_a_package_that_cannot_be_loaded_is_left_out_with_a_warning(match, monkeypatch):
+    broken = EntryPoint("broken", "no_such_package:routes", "overview_dsp.pages")
+    monkeypatch.setattr("overview_dsp.web.data.entry_points", lambda group: [broken])
+    with (
+        pytest.warns(ov.OverviewWarning, match="the page broken of .*no_such_package.*left out"),
+        served(match, plays=False) as running,
+        running.client(Origin=running.origin) as client,
+    ):
+        assert client.get("/data/timeline.json").json()["server"]["pages"] == []
