@@ -67,7 +67,7 @@ def _known(*names: str) -> AfterValidator:
 
 
 def _range_by_id(info: ValidationInfo) -> tuple[float, float]:
-    """Validate a value by its `ParameterID`; a reader checks only parameters that it uses."""
+    """Return the range of a `ParameterID`; a reader limits only parameters that it uses."""
     id = info.data.get("ParameterID")
     if info.context != CHECKING and id not in (INTENSITY, SHARPNESS, CONTROL):
         return -math.inf, math.inf

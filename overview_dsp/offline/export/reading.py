@@ -69,8 +69,8 @@ class DecodedClip:
     transients : tuple of Transient
         Strikes in order of time.
     played : float64 (m,)
-        Level including strikes on the format's player: Core Haptics with transients of 12 ms, or
-        the Quest.
+        Level including strikes on the format's player; for AHAP and `.haps`, Core Haptics with
+        transients of 12 ms.
 
     Examples
     --------
@@ -204,23 +204,30 @@ def clips_in(path: str | os.PathLike[str], kind: str | None) -> dict[str, Path]:
 
 def load_document(path: str | os.PathLike[str]) -> Any:
     """Load a clip's JSON, that of an Android waveform from XML; InputError names the file."""
+    data = _file_bytes(path)
+    with validation.prefix_errors(f"{os.fspath(path)}: "):
+        return _document(data, Path(path).suffix)
+
+
+def _file_bytes(path: str | os.PathLike[str]) -> bytes:
     where = os.fspath(path)
     try:
-        size = Path(path).stat().st_size
-        data = Path(path).read_bytes() if size <= MAX_BYTES else None
+        if Path(path).stat().st_size <= MAX_BYTES:
+            return Path(path).read_bytes()
     except (OSError, ValueError) as error:
         raise InputError(f"{where}: can't be read ({error})") from None
-    if data is None:
-        raise InputError(f"{where}: larger than {MAX_BYTES:,} bytes; a clip is a short JSON file")
-    if Path(path).suffix.lower() == ".xml":
-        with validation.prefix_errors(f"{where}: "):
-            return {"waveform": xml_waveform(_xml(data))}
+    raise InputError(f"{where}: larger than {MAX_BYTES:,} bytes; a clip is a short JSON file")
+
+
+def _document(data: bytes, suffix: str) -> Any:
+    if suffix.lower() == ".xml":
+        return {"waveform": xml_waveform(_xml(data))}
     try:
         return json.loads(
             data.decode("utf-8-sig"), parse_constant=_no_constant, parse_int=_whole_number
         )
     except (ValueError, RecursionError) as error:
-        raise InputError(f"{where}: not JSON: {error}") from None
+        raise InputError(f"not JSON: {error}") from None
 
 
 def _no_constant(name: str) -> None:
@@ -260,15 +267,11 @@ def check_clip(path: str | os.PathLike[str]) -> list[str]:
     >>> ov.export.check_clip("match.hjif")
     []
     """
-    validation.path(path, "a clip")
+    data = _file_bytes(validation.path(path, "a clip"))
     try:
-        document = load_document(path)
+        document = _document(data, Path(path).suffix)
     except InputError as error:
-        if any(
-            words in str(error) for words in (": not JSON", ": not XML", ": the root", ": wave")
-        ):
-            return [str(error).partition(": ")[2]]
-        raise
+        return [str(error)]
     model = _model_of(document)
     if model is None:
         return [f"has none of {', '.join(_MODELS)}; must be {FORMATS}"]
