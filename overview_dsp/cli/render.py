@@ -158,6 +158,7 @@ def command(
                 "stems": stem_names,
                 "click_lufs": done.lufs if done.lufs is None else round(done.lufs, 1),
                 "click_gain_db": round(done.gain_db, 1),
+                "click_limited_db": round(done.limited_db, 1),
                 "cues": len(passed) if cue_points else 0,
                 **write_transcripts(transcripts, passed, as_json),
                 "actuator": protection_json(driven, done.protected),
@@ -176,7 +177,7 @@ def command(
             f"{', '.join(stem_names)}: click, tactor, and cursor, touching, torque, envelope"
         )
     if measure_loudness or normalize is not None:
-        click.echo(_loudness(done.lufs, done.gain_db, normalize))
+        click.echo(_loudness(done, normalize))
     if driven and done.protected:
         click.echo(drive_line(driven, done.protected))
     for kind, count in done.engine.surface.omitted_events.items():
@@ -198,11 +199,15 @@ def command(
 MAX_NAMED = 6  # most events that a message names; the JSON report has all
 
 
-def _loudness(lufs: float | None, gain_db: float, target: float | None) -> str:
-    if lufs is None:
+def _loudness(done: ov.RenderFileResult, target: float | None) -> str:
+    if done.lufs is None:
         return "click: silent"
-    gain = f", gain {gain_db:+.1f} dB" if target is not None else ""
+    text = f"click: {done.lufs:.1f} LUFS"
+    if target is not None:
+        text += f", gain {done.gain_db:+.1f} dB"
+    if done.limited_db >= 0.05:
+        text += f", peaks limited by up to {done.limited_db:.1f} dB"
     # further below the target than the gating of the measurement can explain
-    limited = target is not None and lufs < target - 0.5
-    why = "; the limiter (true peaks of -1 dBFS) allows no more" if limited else ""
-    return f"click: {lufs:.1f} LUFS{gain}{why}"
+    if target is not None and done.lufs < target - 0.5:
+        text += "; the limiter (true peaks of -1 dBFS) allows no more"
+    return text

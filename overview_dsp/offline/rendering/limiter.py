@@ -55,6 +55,7 @@ class Limiter:
 
     `peaks`, `step_frames`: true peak and frames of each step, from `TruePeaks`.
     `gain`, `ceiling`: gain outside of the peaks, and highest peak, linear.
+    `lowest`: lowest gain relative to `gain`, linear; 1 without peaks above the ceiling.
     """
 
     def __init__(self, peaks: FloatArray, step_frames: int, gain: float, ceiling: float) -> None:
@@ -62,7 +63,8 @@ class Limiter:
         width = 2 * round(LOOK_AHEAD_S / STEP_S) + 1
         # one step more on both sides, because the gain is interpolated between steps
         lowest = minimum_filter1d(needed, width + 2, mode="nearest")
-        self._gains = gain * uniform_filter1d(lowest, width, mode="nearest")
+        shape = uniform_filter1d(lowest, width, mode="nearest")
+        self.lowest, self._gains = float(shape.min()), gain * shape
         self._step_frames = step_frames
         self._frame = 0
 

@@ -357,6 +357,8 @@ class RenderFileResult:
         Loudness of the written click channel (ITU-R BS.1770), if requested; None for silence.
     gain_db : float
         Gain of the click by `normalize`, dB.
+    limited_db : float
+        Highest reduction of a peak by the limiter of `normalize`, dB.
 
     Examples
     --------
@@ -374,6 +376,7 @@ class RenderFileResult:
     passed: Strikes | None = None
     lufs: float | None = None
     gain_db: float = 0.0
+    limited_db: float = 0.0
 
     def __repr__(self) -> str:
         return (
@@ -514,4 +517,5 @@ def render_to_file(
         all_strikes.of_events(),
         loudness_of(heard.steps()) if heard is not None else None,
         gain_to_db(gain),
+        0.0 if limiter is None else gain_to_db(1.0 / limiter.lowest),
     )

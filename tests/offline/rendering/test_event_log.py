@@ -202,7 +202,11 @@ def test_normalized_the_click_has_its_loudness_and_the_tactor_is_as_it_was(
     before, after = (soundfile.read(tmp_path / name)[0] for name in ("a.wav", "b.wav"))
     np.testing.assert_array_equal(before[:, 1], after[:, 1])
     assert true_peak_db(after[:, 0]) <= -1.0
+    # how far the highest peak is from the one that the gain alone would give
+    lowered = made.gain_db + true_peak_db(before[:, 0]) - true_peak_db(after[:, 0])
+    assert made.limited_db == pytest.approx(lowered, abs=0.5)
     if wanted < -29.0:  # without the limiter
+        assert made.limited_db == 0.0
         assert made.gain_db == pytest.approx(wanted - plain.lufs, abs=0.5)
         quiet = np.abs(before[:, 0]) > 1e-3
         gains = after[quiet, 0] / before[quiet, 0]
@@ -232,6 +236,7 @@ def test_no_sample_is_turned_up_beyond_the_ceiling(tmp_path, monkeypatch):
     done = overview("render", MATCH, *SHORT, "-o", "a.wav", "--normalize", "-6")
     assert done.code == 0, done.err
     assert "the limiter (true peaks of -1 dBFS) allows no more" in done.out
+    assert "peaks limited by up to " in done.out
     assert -2.0 < true_peak_db(soundfile.read("a.wav")[0][:, 0]) <= -1.0
 
 
