@@ -15,8 +15,7 @@ import contextlib
 import io
 import os
 import warnings
-from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Mapping
 from datetime import datetime
 from typing import Any
 
@@ -34,6 +33,7 @@ from overview_dsp.data.readers.football.match_timeline import (
 )
 from overview_dsp.data.timeline.model import Timeline
 from overview_dsp.errors import InputError, quoted
+from overview_dsp.files.toml import load_toml
 from overview_dsp.installation import require_package
 
 MAX_BYTES = 16 * 2**20
@@ -48,106 +48,11 @@ Later times indicate a broken clock.
 MAX_FILES = 200
 """Maximum number of files that are searched for the teams."""
 
-_CARDS = {
-    "FIRST_YELLOW": ("yellow_card", ""),
-    "SECOND_YELLOW": ("red_card", "second yellow"),
-    "RED": ("red_card", ""),
-}
+_TABLE = load_toml(__file__, "kloppy_formats.toml")
+_CARDS: dict[str, tuple[str, str]] = {name: (*card,) for name, card in _TABLE["cards"].items()}
+_BALL_TOUCHES: dict[str, str] = _TABLE["ball_touches"]
 _NEAR_MISS = {"SAVED": "saved", "POST": "on the post"}
-_BALL_TOUCHES = {
-    "PASS": "pass", "DUEL": "duel", "TAKE_ON": "take-on", "CARRY": "carry", "SHOT": "shot",
-    "CLEARANCE": "clearance", "INTERCEPTION": "interception", "RECOVERY": "recovery",
-    "MISCONTROL": "miscontrol", "GOALKEEPER": "goalkeeper",
-}  # fmt: skip
 _OWN_GOAL_OF_DATAFACTORY = 10
-
-
-@dataclass(frozen=True)
-class _Format:
-    """File format of a provider.
-
-    Parameters
-    ----------
-    name
-        Name of the events for display.
-    matches
-        Function that returns whether a file is in this format.
-    load
-        Module and function of kloppy, and its arguments: the events, then the companion file.
-    companion
-        Name of the companion file, and function that returns whether a file is one.
-    """
-
-    name: str
-    matches: Callable[[DataFile], bool]
-    load: tuple[str, ...]
-    companion: tuple[str, Callable[[DataFile], bool]] | None = None
-
-
-def _xml(root: str, *texts: str) -> Callable[[DataFile], bool]:
-    """Return a test for XML with this root element, and with the texts at its beginning."""
-
-    def matches(source: DataFile) -> bool:
-        return source.xml_root == root and all(t in (source.head_text or "") for t in texts)
-
-    return matches
-
-
-def _json(*path: str | int) -> Callable[[DataFile], bool]:
-    """Return a test for JSON with a value at a path of keys and indices."""
-
-    def matches(source: DataFile) -> bool:
-        if not source.looks_like_json or f'"{path[0]}"' not in source.text:
-            return False
-        value: Any = source.json
-        try:
-            for step in path:
-                value = value[step]
-        except (KeyError, IndexError, TypeError):
-            return False
-        return value is not None
-
-    return matches
-
-
-def _either(*tests: Callable[[DataFile], bool]) -> Callable[[DataFile], bool]:
-    return lambda source: any(test(source) for test in tests)
-
-
-_FORMATS = (
-    _Format(
-        "Opta events (F24)",
-        _xml("Games", "<Event", "type_id="),
-        ("opta", "load", "f24_data", "f7_data"),
-        ("the match's F7 file (line-ups)", _xml("SoccerFeed")),
-    ),
-    _Format(
-        "Stats Perform events (MA3)",
-        _either(_xml("matchEvents"), _json("liveData", "event", 0, "typeId")),
-        ("statsperform", "load_event", "ma3_data", "ma1_data"),
-        ("the match's MA1 file (line-ups)", _either(_xml("match"), _json("liveData", "lineUp"))),
-    ),
-    _Format(
-        "Sportec events",
-        _xml("PutDataRequest", "<Event "),
-        ("sportec", "load_event", "event_data", "meta_data"),
-        ("the match information", _xml("PutDataRequest", "<MatchInformation")),
-    ),
-    _Format(
-        "Metrica events (JSON)",
-        _json("data", 0, "start", "frame"),
-        ("metrica", "load_event", "event_data", "meta_data"),
-        ("the match's EPTS metadata (XML)", _xml("main", "<Metadata")),
-    ),
-    _Format(
-        "DataFactory events", _json("incidences", "goals"), ("datafactory", "load", "event_data")
-    ),
-    _Format(
-        "Wyscout v3 events",
-        _json("events", 0, "type", "primary"),
-        ("wyscout", "load", "event_data"),
-    ),
-)
 
 
 def sniff(source: DataFile) -> bool:
@@ -165,11 +70,11 @@ def read(source: DataFile, options: LoadOptions) -> Timeline:
     """
     format_ = _format_of(source)
     assert format_ is not None  # checked by `sniff`
-    files = [_bytes(source)]
-    module, function, *arguments = format_.load
-    kloppy = require_package(f"kloppy.{module}", f"reading {format_.name}", "football")
-    if format_.companion is not None:
-        files.append(_bytes(_companion(source, format_.name, *format_.companion)))
+    name, files = format_["name"], [_bytes(source)]
+    module, function, *arguments = format_["load"]
+    kloppy = require_package(f"kloppy.{module}", f"reading {name}", "football")
+    if "companion" in format_:
+        files.append(_bytes(_companion(source, name, format_["companion"])))
     streams = {name: io.BytesIO(data) for name, data in zip(arguments, files, strict=True)}
     try:
         with warnings.catch_warnings():
@@ -178,13 +83,30 @@ def read(source: DataFile, options: LoadOptions) -> Timeline:
     except Exception as error:  # the exceptions of kloppy are not documented
         reason = " ".join(f"{type(error).__name__}: {error}".split())[:200]
         raise InputError(
-            f"kloppy cannot read these {format_.name} ({reason}); the file may be incomplete"
+            f"kloppy cannot read these {name} ({reason}); the file may be incomplete"
         ) from error
-    return _timeline(dataset, format_.name, source.stem)
+    return _timeline(dataset, name, source.stem)
 
 
-def _format_of(source: DataFile) -> _Format | None:
-    return next((format_ for format_ in _FORMATS if format_.matches(source)), None)
+def _format_of(source: DataFile) -> dict[str, Any] | None:
+    return next((format_ for format_ in _TABLE["formats"] if _fits(source, format_)), None)
+
+
+def _fits(source: DataFile, signature: Mapping[str, Any]) -> bool:
+    """Return whether a file has the XML or the JSON of a format or companion (see the table)."""
+    root, *texts = signature.get("xml", [None])
+    if source.xml_root == root and all(text in (source.head_text or "") for text in texts):
+        return True
+    path = signature.get("json")
+    if path is None or not source.looks_like_json or f'"{path[0]}"' not in source.text:
+        return False
+    value: Any = source.json
+    try:
+        for step in path:
+            value = value[step]
+    except (KeyError, IndexError, TypeError):
+        return False
+    return value is not None
 
 
 def _bytes(source: DataFile) -> bytes:
@@ -202,9 +124,7 @@ def _bytes(source: DataFile) -> bytes:
     return ('<?xml version="1.0" encoding="UTF-8"?>\n' + source.xml_text.lstrip()).encode()
 
 
-def _companion(
-    source: DataFile, name: str, companion: str, is_companion: Callable[[DataFile], bool]
-) -> DataFile:
+def _companion(source: DataFile, name: str, companion: Mapping[str, Any]) -> DataFile:
     """Return the companion file, which must be the only one in the folder."""
     found: list[DataFile] = []
     try:
@@ -214,7 +134,7 @@ def _companion(
     for path in paths[:MAX_FILES]:
         with contextlib.suppress(InputError):  # an unrelated file
             candidate = DataFile.open(path, source.options)
-            if path != source.path and candidate.size <= MAX_BYTES and is_companion(candidate):
+            if path != source.path and candidate.size <= MAX_BYTES and _fits(candidate, companion):
                 found.append(candidate)
     if len(found) > 1:
         # for several matches in a folder: the name with the longest common prefix
@@ -225,7 +145,8 @@ def _companion(
     if len(found) != 1:
         problem = f"{len(found)} files in the folder may be" if found else "the folder lacks"
         raise InputError(
-            f"{name}: {problem} {companion}; put only that of this match into the same folder"
+            f"{name}: {problem} {companion['name']}; put only that of this match into the same "
+            "folder"
         )
     return found[0]
 
