@@ -25,7 +25,7 @@ from overview_dsp.data.readers.football.match_timeline import (
     MAX_PERIOD_S,
     SHOOT_OUT,
     START_LABELS,
-    BallTouch,
+    TOUCH,
     MatchEvent,
     concatenate_periods,
     match_timeline,
@@ -179,17 +179,16 @@ def _timeline(dataset: Any, format_name: str, default_title: str) -> Timeline:
     if kicks:
         notes.append(f"the shoot-out is omitted: {len(kicks)} kicks, {sum(kicks)} scored")
     match_events: list[MatchEvent] = []
-    ball_touches: list[BallTouch] = []
     for period in begins:
         for period_s, event in by_period[period]:
             time_s, player, team = begins[period] + period_s, _player(event), _team(event)
             kinds = list(_classify(event))
+            if not kinds and event.event_type.name in _BALL_TOUCHES:
+                kinds = [(TOUCH, _BALL_TOUCHES[event.event_type.name])]
             for kind, detail in kinds:
                 scorer = 1 - team if kind == "own_goal" and team is not None else team
                 location = f"event {event.event_id}"
                 match_events.append(MatchEvent(time_s, kind, scorer, player, detail, "", location))
-            if not kinds and event.event_type.name in _BALL_TOUCHES:
-                ball_touches.append((time_s, _BALL_TOUCHES[event.event_type.name], player))
     metadata = dataset.metadata
     date = metadata.date
     return match_timeline(
@@ -202,7 +201,6 @@ def _timeline(dataset: Any, format_name: str, default_title: str) -> Timeline:
         default_title=default_title,
         title_parts=[date.date().isoformat()] if isinstance(date, datetime) else [],
         final=_score(metadata.score),
-        ball_touches=ball_touches,
     )
 
 

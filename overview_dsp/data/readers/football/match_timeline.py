@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import itertools
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -35,8 +35,8 @@ SHOT_WEIGHT = 1.5
 
 _RECORDS_CHECKED = 50
 
-BallTouch = tuple[float, str, str]
-"""Time (s), action such as `shot` or `pass`, and player's name; shown only when zoomed in."""
+TOUCH = "touch"
+"""Kind of a touch of the ball; the detail is the action (`shot`, `pass`). Shown in windows only."""
 
 
 @dataclass(frozen=True)
@@ -111,14 +111,13 @@ def match_timeline(
     teams: Sequence[str],
     begins_s: Mapping[int, float],
     end_s: float,
-    match_events: Iterable[MatchEvent],
+    match_events: Collection[MatchEvent],
     provenance: str,
     notes: Sequence[str] = (),
     *,
     default_title: str = "",
     title_parts: Sequence[str] = (),
     final: tuple[int, int] | None = None,
-    ball_touches: Iterable[BallTouch] = (),
     end_label: str = "",
     known_until_s: float | None = None,
 ) -> Timeline:
@@ -131,7 +130,7 @@ def match_timeline(
     begins_s, end_s
         Start of each period (1 to 4) and end of the match, s.
     match_events
-        Events in any order.
+        Events in any order. Those of kind `TOUCH` become the details of the timeline.
     provenance
         Origin of the events.
     notes
@@ -142,8 +141,6 @@ def match_timeline(
         Additions to the title, such as competition, round and date.
     final
         Final score in the source, without a shoot-out. A note reports a different count of goals.
-    ball_touches
-        Touches of the ball, which become the details of the timeline.
     end_label
         Label of the end. "": "full time", or "end" for a single period.
     known_until_s
@@ -157,8 +154,9 @@ def match_timeline(
     reach_s = end_s if known_until_s is None else known_until_s
     if known_until_s is not None:
         events = [event for event in events if event.time_s < max(reach_s, 1.0)]
+    shown = [one for one in match_events if one.kind != TOUCH]
     seen: dict[tuple[float, str, str], int] = {}
-    for one in sorted(match_events, key=lambda one: one.time_s):
+    for one in sorted(shown, key=lambda one: one.time_s):
         if one.kind in GOALS:
             if one.team is None:
                 uncounted += 1
@@ -172,7 +170,7 @@ def match_timeline(
         with validation.prefix_errors(f"{one.location}: " if one.location else ""):
             events.append(Event(one.time_s, one.kind, label))
     counted = None if uncounted else (score[0], score[1])
-    if len(teams) == 1 and any(one.kind in GOALS for one in match_events):
+    if len(teams) == 1 and any(one.kind in GOALS for one in shown):
         all_notes.append(f"only the team {quoted(teams[0])} is named: the score is not counted")
     elif counted is None and known:
         some = "1 goal has" if uncounted == 1 else f"{uncounted} goals have"
@@ -188,9 +186,10 @@ def match_timeline(
         result = f"{shown_score[0]}-{shown_score[1]}" if shown_score is not None else "-"
         title = ", ".join([f"{teams[0]} {result} {teams[1]}", *filter(None, title_parts)])
     details: dict[Event, None] = {}
-    for time_s, action, player in ball_touches:
-        kind, weight = ("shot", SHOT_WEIGHT) if action == "shot" else ("touch", 1.0)
-        details[Event(time_s, kind, f"{action} {player}".rstrip(), weight)] = None
+    for one in match_events:
+        if one.kind == TOUCH:
+            kind, weight = ("shot", SHOT_WEIGHT) if one.detail == "shot" else (TOUCH, 1.0)
+            details[Event(one.time_s, kind, f"{one.detail} {one.player}".rstrip(), weight)] = None
     return Timeline(
         title=title,
         duration_s=end_s,

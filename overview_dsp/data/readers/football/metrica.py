@@ -14,7 +14,7 @@ Event kinds:
 - `yellow_card`, `red_card`: a CARD with YELLOW or RED (red for a second yellow, too).
 - `period`: the start of each period and the end of the last action.
 
-All other actions with the ball are `ball_touches`, shown in windows only.
+All other actions with the ball are touches, shown in windows only.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from dataclasses import dataclass
 from overview_dsp.data.readers.data_file import DataFile, LoadOptions
 from overview_dsp.data.readers.football.match_timeline import (
     SHOOT_OUT,
-    BallTouch,
+    TOUCH,
     MatchEvent,
     match_timeline,
 )
@@ -119,7 +119,6 @@ def decode(text: str, default_title: str = "") -> Timeline:
             f"{quoted(names[0])} and {quoted(names[1])}; the file must have one match"
         )
     match_events: list[MatchEvent] = []
-    ball_touches: list[BallTouch] = []
     for i, row in enumerate(played):
         kind, team, detail = _classify(i, row, played, teams, notes)
         time_s = row.start_s + shift[row.period]
@@ -127,8 +126,6 @@ def decode(text: str, default_title: str = "") -> Timeline:
             match_events.append(
                 MatchEvent(time_s, kind, team, row.player, detail, "", row.location)
             )
-        elif row.type in _BALL_TOUCHES:
-            ball_touches.append((time_s, row.type.lower(), row.player))
     begins = {
         period: min(row.start_s for row in played if row.period == period) + shift[period]
         for period in sorted(shift)
@@ -144,7 +141,6 @@ def decode(text: str, default_title: str = "") -> Timeline:
         PROVENANCE,
         notes,
         default_title=default_title,
-        ball_touches=ball_touches,
     )
 
 
@@ -231,7 +227,7 @@ def _classify(
         notes.append(
             f"{row.location}: a card without a colour ({', '.join(sorted(terms))}) is omitted"
         )
-    return "", None, ""
+    return (TOUCH, None, row.type.lower()) if row.type in _BALL_TOUCHES else ("", None, "")
 
 
 def _is_penalty(i: int, played: list[_Row]) -> bool:

@@ -37,7 +37,7 @@ from overview_dsp.data.readers.events.timeline_builder import repeated_ids
 from overview_dsp.data.readers.football.match_timeline import (
     GOALS,
     SHOOT_OUT,
-    BallTouch,
+    TOUCH,
     MatchEvent,
     concatenate_periods,
     contains_record,
@@ -187,7 +187,6 @@ def decode(document: object, default_title: str = "") -> Timeline:
     own_goals = _own_goals(played, notes)
     on_line = _blocked_on_line(played)
     match_events: dict[tuple[object, ...], MatchEvent] = {}
-    ball_touches: list[BallTouch] = []
     for record in played:
         found = list(_classify(record, own_goals, on_line, teams[:2]))
         if found and record.clock_us > lengths[record.period]:
@@ -197,12 +196,13 @@ def decode(document: object, default_title: str = "") -> Timeline:
             )
         time_s = (begins[record.period] + min(record.clock_us, lengths[record.period])) / 1e6
         if not found and record.kind in BALL_TOUCHES:
-            ball_touches.append((time_s, BALL_TOUCHES[record.kind], short_name(record.player)))
+            found = [(TOUCH, "", short_name(record.player), BALL_TOUCHES[record.kind])]
         for kind, name, player, detail in found:
             team = teams.index(name) if name else None
             one = MatchEvent(time_s, kind, team, player, detail, "", record.location)
             # goals are never repeats: each one has its own score
-            key = (time_s, kind, team, player, detail, record.number if kind in GOALS else 0)
+            number = record.number if kind in (*GOALS, TOUCH) else 0
+            key = (time_s, kind, team, player, detail, number)
             first = match_events.setdefault(key, one)
             if first is not one:
                 notes.append(f"{one.location} repeats {first.location}: omitted")
@@ -220,7 +220,6 @@ def decode(document: object, default_title: str = "") -> Timeline:
         PROVENANCE,
         notes,
         default_title=default_title,
-        ball_touches=ball_touches,
         end_label=_ENDS[max(begins)],
     )
 

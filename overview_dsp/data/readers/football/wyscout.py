@@ -16,7 +16,7 @@ The numbers of events and tags determine the event kind:
 - `foul`: event 2; `yellow_card`: 1702; `red_card`: 1701, 1703 (second yellow).
 - `period`: kick-off, the start of each later period, and the end.
 
-All other events with the ball are `ball_touches`, shown in windows only.
+All other events with the ball are touches, shown in windows only.
 
 The companion file `matches_*.json` in the same folder has names, home team and score.
 """
@@ -34,7 +34,7 @@ from overview_dsp.data.readers.football.match_timeline import (
     GOALS,
     MAX_PERIOD_S,
     SHOOT_OUT,
-    BallTouch,
+    TOUCH,
     MatchEvent,
     concatenate_periods,
     contains_record,
@@ -176,13 +176,11 @@ def _timeline(
     teams = _teams(document, played, companion, notes)
     players = _players(document)
     match_events: list[MatchEvent] = []
-    ball_touches: list[BallTouch] = []
     for event in played:
         time_s, player = begins[event.period] + event.sec, players.get(event.player, "")
         kinds = _classify(event)
         if not kinds and event.event in _BALL_TOUCHES:
-            action = "shot" if _is_attempt(event) else _BALL_TOUCHES[event.event]
-            ball_touches.append((time_s, action, player))
+            kinds = [(TOUCH, "shot" if _is_attempt(event) else _BALL_TOUCHES[event.event])]
         for kind, detail in kinds:
             team = _team(event, list(teams), needed=kind in GOALS)
             if kind == "own_goal" and team is not None:
@@ -203,7 +201,6 @@ def _timeline(
         default_title=default_title,
         title_parts=[companion.date] if companion else [],
         final=companion.score if companion else None,
-        ball_touches=ball_touches,
     )
 
 
