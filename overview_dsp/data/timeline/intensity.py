@@ -56,25 +56,17 @@ WIDENED = 1.0 / 2048.0
 
 def with_peaks(mean: FloatArray, top: FloatArray) -> FloatArray:
     """Return the value at each position, shape (n,), from means and maxima there."""
-    around = mean.copy()
-    np.maximum(around[1:], mean[:-1], out=around[1:])
-    np.maximum(around[:-1], mean[1:], out=around[:-1])
-    excess = np.maximum(top - around, 0.0)
+    from scipy.ndimage import maximum_filter1d
+
+    excess = np.maximum(top - maximum_filter1d(mean, 3, mode="nearest"), 0.0)
     usual, rare = np.quantile(excess[::SAMPLE_STEP], (0.5, RARE))
     spans = float(top.max()) - float(mean.min())
     peak = (excess > usual + STANDS_OUT * (rare - usual)) & (excess >= MATTERS * spans)
     if not peak.any():
         return mean
-    kept = np.where(peak, top, -np.inf)
-    reach, wanted = 0, round(WIDENED * len(mean))
-    while reach < wanted:  # the largest of 2 * reach + 1 positions, in few steps
-        step = min(reach + 1, wanted - reach)
-        wider = kept.copy()
-        np.maximum(wider[step:], kept[:-step], out=wider[step:])
-        np.maximum(wider[:-step], kept[step:], out=wider[:-step])
-        kept = wider
-        reach += step
-    return np.maximum(mean, kept)
+    width = 2 * round(WIDENED * len(mean)) + 1
+    kept = maximum_filter1d(np.where(peak, top, -np.inf), width, mode="nearest")
+    return np.asarray(np.maximum(mean, kept))
 
 
 __all__ = ["EXTREMES", "LONG", "CurveWindow", "Intensity"]

@@ -15,6 +15,7 @@ from typing import Literal
 import numpy as np
 
 from overview_dsp.arrays import FloatArray, IntArray, SampleArray
+from overview_dsp.files.toml import load_toml
 from overview_dsp.kernels.layout import CLICK, TACTOR
 from overview_dsp.measure.perceived_level import (
     MIN_PULSE_GAP_MS,
@@ -34,20 +35,10 @@ SOUND_PROMINENCE_DB = 6.0
 RHYTHM_MS = 120  # time in which several pulses are perceived as one pattern
 TOGETHER_MS = 40  # distance from a felt pulse within which a click belongs to it
 
-TOUCH_FEATURES = (
-    "level_db",
-    "over_surroundings_db",
-    "rise_db",
-    "slope_db",
-    "fall_db",
-    "duration_ms",
-    "pulses_after",
-    "next_ms",
-    "next_db",
-    "last_ms",
-    "last_db",
-)
-SOUND_FEATURES = ("click_db", "centroid_hz", "click_decay_ms", "click_delay_ms")
+FEATURES: dict[str, dict[str, dict[str, float]]] = load_toml(__file__, "features.toml")
+"""Features of touch, of sound and of the movement, and a human's noise in each."""
+
+TOUCH_FEATURES, SOUND_FEATURES = tuple(FEATURES["touch"]), tuple(FEATURES["sound"])
 PACE = "pace"
 """Logarithm of the input's pace (timelines per second), for movements that change their pace."""
 

@@ -15,7 +15,7 @@ with the largest mean share in the leaves of its trees. All nodes of a depth are
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -26,7 +26,7 @@ from overview_dsp.arrays import BoolArray, FloatArray, IntArray
 from overview_dsp.data.timeline import Timeline
 from overview_dsp.design.presets.model import Preset
 from overview_dsp.errors import InputError
-from overview_dsp.measure.observer.features import MODALITIES, PACE, Modality
+from overview_dsp.measure.observer.features import FEATURES, MODALITIES, Modality
 from overview_dsp.measure.observer.report import ObserverReport, SetScores, StrokeScores
 from overview_dsp.measure.observer.scoring import Tally, groups_of
 from overview_dsp.measure.observer.strokes import (
@@ -39,37 +39,23 @@ from overview_dsp.measure.observer.strokes import (
 )
 from overview_dsp.measure.synthetic_data import random_timelines
 
-NOISE: Mapping[str, float] = {
-    **dict.fromkeys(("level_db", "over_surroundings_db", "rise_db", "fall_db"), 1.6),
-    **dict.fromkeys(("next_db", "last_db"), 1.6),
-    **dict.fromkeys(("next_ms", "last_ms"), 5.0),
-    "slope_db": 0.30,
-    **dict.fromkeys(("duration_ms", "click_decay_ms"), 0.18),
-    "click_db": 0.8,
-    "centroid_hz": 0.07,
-    "click_delay_ms": 8.0,
-    PACE: 0.15,
-}
-RELATIVE = ("slope_db", "duration_ms", "centroid_hz", "click_decay_ms")
-"""Features whose logarithm has the noise."""
-
 
 def add_sensory_noise(
     features: FloatArray, names: tuple[str, ...], rng: np.random.Generator
 ) -> FloatArray:
     """Return features (onsets, features) with one draw of a human's sensory noise."""
     found = features.copy()
+    known = {name: noise for group in FEATURES.values() for name, noise in group.items()}
     for column, name in enumerate(names):
-        if name not in NOISE:
-            continue
-        noise = NOISE[name] * rng.standard_normal(len(found))
-        if name in RELATIVE:
-            found[:, column] *= np.exp(noise)
-        elif name.startswith(("next_", "last_")):
-            # only where there is a neighbouring pulse, which has a time
-            found[:, column] += noise * (features[:, names.index(f"{name[:4]}_ms")] > 0.0)
-        else:
-            found[:, column] += noise
+        for how, deviation in known[name].items():
+            noise = deviation * rng.standard_normal(len(found))
+            if how == "relative_noise":
+                found[:, column] *= np.exp(noise)
+            elif name.startswith(("next_", "last_")):
+                # only where there is a neighbouring pulse, which has a time
+                found[:, column] += noise * (features[:, names.index(f"{name[:4]}_ms")] > 0.0)
+            else:
+                found[:, column] += noise
     return found
 
 
