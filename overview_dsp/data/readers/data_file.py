@@ -26,6 +26,7 @@ import numpy as np
 
 from overview_dsp.data.timeline.model import Timeline
 from overview_dsp.errors import InputError, quoted
+from overview_dsp.files.toml import load_toml
 
 MAX_TEXT_BYTES = 256 * 1024 * 1024
 """Maximum size of a streamed text file, unless `max_mb` is set."""
@@ -88,6 +89,17 @@ _BOMS = (
     (codecs.BOM_UTF16_LE, "utf-16"),
     (codecs.BOM_UTF16_BE, "utf-16"),
 )
+
+_SIGNATURES = {
+    kind: [(mark.encode("latin-1"), offset, name) for mark, offset, name in rows]
+    for kind, rows in load_toml(__file__, "signatures.toml").items()
+}
+
+
+def signature(head: bytes, kind: str) -> str | None:
+    """Return what a file is by its first bytes, by a table of `signatures.toml`, else None."""
+    known = _SIGNATURES[kind]
+    return next((name for mark, at, name in known if head.startswith(mark, at)), None)
 
 
 @dataclass(frozen=True)

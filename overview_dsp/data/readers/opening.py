@@ -22,7 +22,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from overview_dsp.data.readers.data_file import UNNAMED, DataFile, LoadOptions
+from overview_dsp.data.readers.data_file import UNNAMED, DataFile, LoadOptions, signature
 from overview_dsp.data.readers.tables import health, workbook
 from overview_dsp.errors import InputError
 from overview_dsp.installation import install_command
@@ -42,16 +42,6 @@ _ZIP_END = b"PK\x05\x06"
 
 _GZIP, _BZIP2, _XZ, _ZIP = "gzip", "bzip2", "xz", "ZIP"
 _SHEET, _HEALTH = "spreadsheet", "Apple Health"
-_MARKS = (
-    (b"\x1f\x8b\x08", _GZIP),
-    (b"\xfd7zXZ\x00", _XZ),
-    (b"PK\x03\x04", _ZIP),
-    (b"PK\x05\x06", _ZIP),
-    (b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1", _SHEET),
-    (b"\x28\xb5\x2f\xfd", "Zstandard"),
-    (b"7z\xbc\xaf\x27\x1c", "7z"),
-    (b"Rar!\x1a\x07", "RAR"),
-)
 _URL = re.compile(r"([a-z][a-z0-9+.\-]*::)*[a-z][a-z0-9+.\-]+://", re.IGNORECASE)
 _SECRETS = re.compile(r"(?<=://)[^/@]*@|[?#].*")
 
@@ -191,7 +181,7 @@ def packing(head: bytes) -> str | None:
     """Return the compression of a file from its first bytes, None if it is not compressed."""
     if head[:3] == b"BZh" and head[3:4].isdigit() and head[4:10] in (b"1AY&SY", b"\x17rE8P\x90"):
         return _BZIP2
-    return next((name for mark, name in _MARKS if head.startswith(mark)), None)
+    return signature(head, "archive")
 
 
 _DAMAGED = (zlib.error, lzma.LZMAError, zipfile.BadZipFile, OSError, ValueError, RuntimeError)

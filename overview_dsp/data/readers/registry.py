@@ -28,6 +28,7 @@ from overview_dsp.data.readers.data_file import (
     LoadOptions,
     decode_text,
     parse_json,
+    signature,
 )
 from overview_dsp.data.readers.formats import LIMITS, SERIES_OPTIONS, formats, is_series
 from overview_dsp.data.readers.opening import is_content, opened
@@ -415,14 +416,6 @@ def _described(source: DataFile) -> str:
     return f"a JSON list of {len(document) if isinstance(document, list) else 0} entries"
 
 
-_PACKED = {
-    b"PK\x03\x04": "a spreadsheet or an archive: save the sheet as CSV",
-    b"\xd0\xcf\x11\xe0": "an old spreadsheet: save the sheet as CSV",
-    b"SQLite format 3": "a database: write one table as CSV",
-    b"%PDF": "a PDF: copy its table into a CSV file",
-    b"\x89PNG": "a picture: give the data it shows, as CSV",
-    b"\xff\xd8\xff": "a picture: give the data it shows, as CSV",
-}
 _AS_EVENTS = "write the events as CSV with the columns time and event"
 _XML = "<?xml"
 
@@ -461,10 +454,8 @@ def require_no_other_document(source: DataFile) -> None:
 
 def format_hint(source: DataFile) -> str:
     """Return a hint with the most similar format and the missing column."""
-    head = source.head
-    for mark, words in _PACKED.items():
-        if head.startswith(mark):
-            return words
+    if words := signature(source.head, "other"):
+        return words
     text = source.head_text
     if text is None:
         return "nearest: text (CSV, JSON), a recording, or a WFDB record"

@@ -188,17 +188,17 @@ class Intensity:
     def __hash__(self) -> int:
         return hash((self.unit, self.percentiles, self.count, self.first_s, self.last_s))
 
-    @property
+    @cached_property
     def count(self) -> int:
         """Number of points."""
         return len(self.value)
 
-    @property
+    @cached_property
     def first_s(self) -> float:
         """Time of the first point, s."""
         return float(self.time_s[0])
 
-    @property
+    @cached_property
     def last_s(self) -> float:
         """Time of the last point, s."""
         return float(self.time_s[-1])
@@ -213,12 +213,12 @@ class Intensity:
         """Points of the curve, with cached results."""
         return Points(self.time_s, self.value)
 
-    @property
+    @cached_property
     def _shift(self) -> float:
         """Offset from the time axis of this curve to that of its points, s."""
         return 0.0
 
-    @property
+    @cached_property
     def _between(self) -> tuple[int, int]:
         """Index of the first point, and of the last one + 1."""
         return 0, self.count
@@ -515,52 +515,36 @@ class CurveWindow(Intensity):
     `low` and `high` are its interpolated ends on the axis of `whole`.
     """
 
-    _start: float
     _bounds: FloatArray
-    _inner: tuple[int, int]
-    _ends_s: tuple[float, float]
 
     def __init__(self, whole: Intensity, start: float, low: float, high: float) -> None:
         bounds = np.array([low, high]) + whole._shift
         points = whole.points
-        inner = int(points.first_after(bounds)[0]), int(points.first_from(bounds)[1])
+        first, stop = int(points.first_after(bounds)[0]), int(points.first_from(bounds)[1])
         self.__dict__.update(
             unit=whole.unit,
             percentiles=whole.percentiles,
             points=points,
-            _start=whole._shift + start,
+            count=stop - first + 2,
+            first_s=low - start,
+            last_s=high - start,
+            _shift=whole._shift + start,
+            _between=(first, stop),
             _bounds=bounds,
-            _inner=inner,
-            _ends_s=(low - start, high - start),
         )
 
     @property
     def time_s(self) -> FloatArray:
         """Times of the points and of the two ends, computed on request."""
-        inner = self.points.times_of(np.arange(*self._inner)) - self._start
-        return np.concatenate((self._ends_s[:1], inner, self._ends_s[1:]))
+        inner = self.points.times_of(np.arange(*self._between)) - self._shift
+        return np.concatenate(([self.first_s], inner, [self.last_s]))
 
     @property
     def value(self) -> FloatArray:
         """Values of the points and of the two ends, computed on request."""
         low, high = self.points.interpolate(self._bounds)
-        first, stop = self._inner
+        first, stop = self._between
         return np.concatenate(([low], self.points.value[first:stop], [high]))
-
-    @property
-    def count(self) -> int:
-        """Number of points, including the ends."""
-        return self._inner[1] - self._inner[0] + 2
-
-    @property
-    def first_s(self) -> float:
-        """Time of the beginning, s."""
-        return self._ends_s[0]
-
-    @property
-    def last_s(self) -> float:
-        """Time of the end, s."""
-        return self._ends_s[1]
 
     def scale_outside(self, gaps: Gaps) -> tuple[float, float]:
         """Return the values that become 0 and 1; the ends count as points."""
@@ -571,21 +555,13 @@ class CurveWindow(Intensity):
     def extremes_outside(self, gaps: Gaps) -> tuple[float, float]:
         """Return minimum and maximum outside of gaps; the ends count as points."""
         low, high = super().extremes_outside(gaps)
-        known = ~in_gap(gaps, np.array(self._ends_s))
+        known = ~in_gap(gaps, np.array((self.first_s, self.last_s)))
         ends = self.points.interpolate(self._bounds)[known]
         return min(low, float(ends.min(initial=low))), max(high, float(ends.max(initial=high)))
 
     def _picked(self, index: IntArray) -> FloatArray:
         # pages stay in memory for the next zoom step
         return self.points.value[index].astype(np.float64)
-
-    @property
-    def _shift(self) -> float:
-        return self._start
-
-    @property
-    def _between(self) -> tuple[int, int]:
-        return self._inner
 
     def _clipped(self, times: FloatArray) -> FloatArray:
         # rounding of the shift may take a time past an end

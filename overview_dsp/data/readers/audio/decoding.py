@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from overview_dsp.data.analysis.loudness import MIN_RATE
 from overview_dsp.data.readers.audio.channels import layout_of, weights_of, weights_of_mask
-from overview_dsp.data.readers.data_file import DataFile
+from overview_dsp.data.readers.data_file import DataFile, signature
 from overview_dsp.errors import InputError
 
 _V1, _V2, _V25 = 3, 2, 0  # codes of MPEG versions 1, 2 and 2.5 in the header of a frame
@@ -98,23 +98,6 @@ This is 27 hours of stereo at 44.1 kHz. A small FLAC file of silence may contain
 MAX_SAMPLES_PER_S = 4_000_000
 """Maximum samples per second, all channels together: 80 channels at 48 kHz."""
 
-_UNSUPPORTED = (
-    # (bytes at offset, offset, name) of audio and video formats that libsndfile cannot open
-    (b"ftyp", 4, "an MP4 file (m4a, mp4, mov)"),
-    (b"\x1aE\xdf\xa3", 0, "a Matroska file (mkv, webm)"),
-    (b"0&\xb2u\x8ef\xcf\x11", 0, "a Windows Media file (wma, wmv)"),
-    (b"#!AMR", 0, "an AMR file"),
-    (b"\xff\xf1", 0, "an AAC stream"),
-    (b"\xff\xf9", 0, "an AAC stream"),
-    (b"MAC ", 0, "a Monkey's Audio file"),
-    (b"wvpk", 0, "a WavPack file"),
-    (b"AVI ", 8, "an AVI video"),
-)
-_SUPPORTED = (
-    (b"WAVE", 8), (b"RF64", 0), (b"AIFF", 8), (b"AIFC", 8), (b"fLaC", 0), (b"OggS", 0),
-    (b"caff", 0), (b".snd", 0), (b"dns.", 0), (b"ID3", 0), (b"riff.\x91\xcf\x11", 0),
-    (b"Creative Voice File", 0), (b"NIST_1A", 0), (b"8SVX", 8), (b"MATLAB 5.0", 0),
-)  # fmt: skip
 _UNMARKED = frozenset(
     {"htk", "mpc2k", "sds", "sd2", "sf", "ircam", "xi", "wve", "paf", "pvf", "avr"}
 )
@@ -195,7 +178,7 @@ def is_recording(source: DataFile) -> bool:
     """Return whether the file is a recording, including formats that must be converted first."""
     if source.head_text is not None:  # a table may begin with MAC or ID3
         return False
-    if _unsupported(source) or any(_has(source, mark, offset) for mark, offset in _SUPPORTED):
+    if any(signature(source.head, kind) for kind in ("unsupported", "recording")):
         return True
     if begins_with_frames(source.head):
         return True
@@ -230,7 +213,7 @@ def open_recording(source: DataFile, max_mb: float | None = None) -> Iterator[Re
         The format is not supported, or the file is invalid, truncated, without samples or too
         long.
     """
-    unsupported = _unsupported(source)
+    unsupported = signature(source.head, "unsupported")
     if unsupported:
         raise InputError(
             f"{source.where}: {unsupported}, which is not supported; convert it: ffmpeg -i "
@@ -338,15 +321,6 @@ def _ogg_ends(source: DataFile) -> bool:
         tail = stream.read()
     last = tail.rfind(b"OggS")
     return 0 <= last < len(tail) - 6 and bool(tail[last + 5] & _OGG_LAST_PAGE)
-
-
-def _unsupported(source: DataFile) -> str | None:
-    """Return the name of a known audio or video format that libsndfile cannot open, or None."""
-    return next((name for mark, offset, name in _UNSUPPORTED if _has(source, mark, offset)), None)
-
-
-def _has(source: DataFile, mark: bytes, offset: int) -> bool:
-    return source.head[offset : offset + len(mark)] == mark
 
 
 def _reason(error: Any) -> str:

@@ -18,6 +18,10 @@ from overview_dsp.data.timeline.event import Event
 from overview_dsp.data.timeline.model import Timeline
 from overview_dsp.data.timeline.time_parsing import plain_letters
 from overview_dsp.errors import InputError, quoted
+from overview_dsp.files.toml import load_toml
+
+ACTIONS: dict[str, dict[str, Any]] = load_toml(__file__, "actions.toml")
+"""Events in the words of services, by service."""
 
 GOALS = frozenset({"goal", "own_goal"})
 """Event kinds that change the score."""

@@ -19,6 +19,7 @@ from typing import Any
 
 from overview_dsp.data.readers.data_file import DataFile, LoadOptions
 from overview_dsp.data.readers.football.match_timeline import (
+    ACTIONS,
     GOALS,
     MatchEvent,
     contains_record,
@@ -31,20 +32,7 @@ from overview_dsp.data.timeline.model import Timeline
 from overview_dsp.errors import InputError, quoted
 from overview_dsp.public import counted
 
-_MEANINGS = {
-    "goal normal goal": ("goal", ""),
-    "goal regular": ("goal", ""),
-    "goal penalty": ("goal", "pen"),
-    "goal own goal": ("own_goal", ""),
-    "goal own": ("own_goal", ""),
-    "goal missed penalty": ("near_miss", "penalty missed"),
-    "card yellow card": ("yellow_card", ""),
-    "card yellow": ("yellow_card", ""),
-    "card second yellow card": ("red_card", "second yellow"),
-    "card yellow red": ("red_card", "second yellow"),
-    "card red card": ("red_card", ""),
-    "card red": ("red_card", ""),
-}
+_MEANINGS: dict[str, Sequence[str]] = ACTIONS["services"]["meanings"]
 """Event kind and detail by the type and detail of a service, in lower case."""
 
 _NOT_BEGUN = frozenset(["NS", "TBD", "PST", "CANC", "SCHEDULED", "TIMED", "POSTPONED", "CANCELLED"])

@@ -35,6 +35,7 @@ from overview_dsp import validation
 from overview_dsp.data.readers.data_file import DataFile, LoadOptions
 from overview_dsp.data.readers.events.timeline_builder import repeated_ids
 from overview_dsp.data.readers.football.match_timeline import (
+    ACTIONS,
     GOALS,
     SHOOT_OUT,
     TOUCH,
@@ -64,20 +65,8 @@ MAX_OWN_GOALS = 1000
 
 PROVENANCE = "events: a StatsBomb open-data event file"
 
-BALL_TOUCHES = {
-    "Ball Receipt*": "receipt", "Ball Recovery": "recovery", "Goal Keeper": "goalkeeper",
-    "50/50": "fifty-fifty", "Pass": "pass", "Carry": "carry", "Pressure": "pressure",
-    "Duel": "duel", "Dribble": "dribble", "Dribbled Past": "dribbled past", "Block": "block",
-    "Clearance": "clearance", "Interception": "interception", "Miscontrol": "miscontrol",
-    "Dispossessed": "dispossessed", "Shield": "shield", "Shot": "shot",
-}  # fmt: skip
-
-_NEAR_MISSES = {
-    **dict.fromkeys(("Saved", "Saved to Post", "Saved Off Target"), "saved"),
-    "Post": "on the post",
-    "Blocked": "blocked on the line",
-    **dict.fromkeys(("Off T", "Wayward"), "missed"),
-}
+BALL_TOUCHES: dict[str, str] = ACTIONS["statsbomb"]["touches"]
+_NEAR_MISSES: dict[str, str] = ACTIONS["statsbomb"]["near_misses"]
 _OUTCOMES = sorted({*_NEAR_MISSES, "Goal"})
 _CARDS = {"Yellow Card": "yellow_card", "Second Yellow": "red_card", "Red Card": "red_card"}
 _CARD_SECTIONS = {"Foul Committed": "foul_committed", "Bad Behaviour": "bad_behaviour"}

@@ -31,6 +31,7 @@ from overview_dsp import validation
 from overview_dsp.data.readers.data_file import DataFile, LoadOptions
 from overview_dsp.data.readers.events.timeline_builder import repeated_ids
 from overview_dsp.data.readers.football.match_timeline import (
+    ACTIONS,
     GOALS,
     MAX_PERIOD_S,
     SHOOT_OUT,
@@ -57,13 +58,8 @@ _FRAME = frozenset(range(1201, 1210))
 _POST = frozenset(range(1217, 1224))
 _CARDS = {1701: ("red_card", ""), 1702: ("yellow_card", ""), 1703: ("red_card", "second yellow")}
 _PERIODS = {"1H": 1, "2H": 2, "E1": 3, "E2": 4, "P": SHOOT_OUT}
-_EVENTS = {
-    "duel": 1, "foul": 2, "free kick": 3, "goalkeeper leaving line": 4, "interruption": 5,
-    "offside": 6, "others on the ball": 7, "pass": 8, "save attempt": 9, "shot": 10,
-}  # fmt: skip
-_BALL_TOUCHES = {
-    1: "duel", 3: "free kick", 4: "goalkeeper", 7: "touch", 8: "pass", 9: "save", 10: "shot",
-}  # fmt: skip
+_EVENTS: dict[str, int] = ACTIONS["wyscout"]["events"]
+_BALL_TOUCHES = {_EVENTS[name]: text for name, text in ACTIONS["wyscout"]["touches"].items()}
 _SUB_EVENTS = {"free kick shot": 33, "penalty": 35}
 
 
