@@ -7,20 +7,17 @@ https://archive.physionet.org/physiobank/annotations.shtml. A rhythm lasts until
 from __future__ import annotations
 
 import re
-import tomllib
 from bisect import bisect_left, bisect_right
 from dataclasses import dataclass
 from operator import attrgetter
-from pathlib import Path
 from typing import Any
 
 from overview_dsp import validation
 from overview_dsp.errors import InputError, quoted
+from overview_dsp.files.toml import load_toml
 
 KIND = "rhythm"  # kind of events whose labels contain a rhythm code
-HEART_CODES: dict[str, dict[str, Any]] = tomllib.loads(
-    Path(__file__).with_name("heart_codes.toml").read_text(encoding="utf-8")
-)
+HEART_CODES: dict[str, dict[str, Any]] = load_toml(__file__, "heart_codes.toml")
 """Codes of rhythms, beats and other annotations of heart recordings, from `heart_codes.toml`."""
 
 RHYTHMS: dict[str, str] = HEART_CODES["rhythms"]

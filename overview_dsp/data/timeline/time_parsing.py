@@ -21,16 +21,15 @@ or those of the Nordic languages except Finnish.
 from __future__ import annotations
 
 import re
-import tomllib
 import unicodedata
 from collections.abc import Callable
 from dataclasses import dataclass
 from datetime import UTC, date, datetime, timedelta, timezone
 from functools import lru_cache
-from pathlib import Path
 from typing import Any
 
 from overview_dsp.arrays import IntArray
+from overview_dsp.files.toml import load_toml
 
 NS = 1_000_000_000
 """Nanoseconds in a second."""
@@ -49,7 +48,7 @@ _NAMED_ZONES_MIN = {
 }  # fmt: skip
 """Offsets of zones with different names in summer and winter."""
 
-_NAMES = tomllib.loads(Path(__file__).with_name("months.toml").read_text(encoding="utf-8"))
+_NAMES = load_toml(__file__, "months.toml")
 _ENGLISH: list[str] = _NAMES["english"]
 
 # --- parts of patterns, by the names of their groups

@@ -5,9 +5,7 @@ Colours are Okabe and Ito's, which colour-blind eyes distinguish; event kinds di
 
 from __future__ import annotations
 
-import tomllib
 import zlib
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -15,6 +13,7 @@ from numpy.typing import ArrayLike
 
 from overview_dsp.arrays import FloatArray
 from overview_dsp.data.timeline import Timeline
+from overview_dsp.files.toml import load_toml
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -27,7 +26,7 @@ GREY = "#767676"
 Marker = Any  # marker of matplotlib: a letter, a number, or a tuple of corners, style and rotation
 Style = tuple[Marker, str, str]  # marker, face colour, words
 
-_KINDS = tomllib.loads(Path(__file__).with_name("kinds.toml").read_text(encoding="utf-8"))
+_KINDS = load_toml(__file__, "kinds.toml")
 KIND_STYLE: dict[str, Style] = {
     kind: (tuple(marker) if isinstance(marker, list) else marker, colour, words)
     for kind, (marker, colour, words) in _KINDS.items()

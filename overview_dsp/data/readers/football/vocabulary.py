@@ -8,15 +8,12 @@ from __future__ import annotations
 
 import functools
 import re
-import tomllib
-from pathlib import Path
 
 from overview_dsp.data.readers.football.match_timeline import normalize_text
 from overview_dsp.data.timeline.time_parsing import plain_letters
+from overview_dsp.files.toml import load_toml
 
-TRANSLATIONS: dict[str, list[str]] = tomllib.loads(
-    Path(__file__).with_name("words.toml").read_text(encoding="utf-8")
-)
+TRANSLATIONS: dict[str, list[str]] = load_toml(__file__, "words.toml")
 """Terms in other languages by the English term, from `words.toml`."""
 
 _ENGLISH = {word: term for term, words in TRANSLATIONS.items() for word in words}

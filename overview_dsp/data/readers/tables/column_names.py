@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import re
-import tomllib
-from pathlib import Path
 from typing import Any
 
-_TABLE: dict[str, Any] = tomllib.loads(
-    Path(__file__).with_name("column_names.toml").read_text(encoding="utf-8")
-)
+from overview_dsp.files.toml import load_toml
+
+_TABLE: dict[str, Any] = load_toml(__file__, "column_names.toml")
 
 NAMES: dict[str, tuple[str, ...]] = {
     role: tuple(names) for role, names in _TABLE.items() if isinstance(names, list)
