@@ -1,12 +1,11 @@
 """Player: an engine, its output, a window of a timeline, a pointer, takes and a loop.
 
-The user interface (terminal application or JSON lines) polls it often by `commands.poll`, and calls
+`OpenedPlayer` opens it on the device that the user chose, and saves the settings at the end. The
+user interface (terminal application or JSON lines) polls it often by `commands.poll`, and calls
 `touch`, `release` and `tap` as the pointer moves. The output may disconnect and return: the disk is
 released, and the session continues.
 
 Thread: control.
-
-Opening a player on the device that the user chose, and saving its settings at the end.
 """
 
 from __future__ import annotations

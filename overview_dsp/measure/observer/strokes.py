@@ -1,14 +1,12 @@
 """Rendered strokes of an observer, with their features and the events that the disk passes.
 
 There is one model per stroke, since users know how fast they move, and whether a movement is a
-sweep, an arm's movement, a tap or a recoil. Movements of mixed pace share one model, which has the
-pace as a feature (`features.PACE`).
+sweep, an arm's movement, a tap or a recoil. Random movements of mixed pace, with pauses and short
+returns, share one model, which has the pace as a feature (`features.PACE`).
 
 The trace says which event each onset belongs to. The disk is *on* an event from entering its span
 until it leaves it. An onset belongs to an event from `BEFORE_MS` before that time to `AFTER_MS`
 after it. Of several events, it belongs to the one whose own profile releases the most friction.
-
-Random movements of mixed pace, with pauses and short returns.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
-"""Replay of recorded changes: parameters, presets, windows and updates of a live timeline.
+"""Recorded changes of an engine: parameters, presets, windows and updates of a live timeline.
 
-Live update of a surface that is being touched: only the part ahead of the cursor changes.
+An update of a surface that is being touched changes only the part ahead of the cursor.
 """
 
 from __future__ import annotations

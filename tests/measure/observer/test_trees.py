@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from overview_dsp.measure.observer.observing import fit_forest
+from overview_dsp.measure.observer.forest import fit_forest
 
 
 def clouds(count, apart, seed, features=4):

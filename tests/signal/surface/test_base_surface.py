@@ -11,9 +11,9 @@ import pytest
 import overview_dsp as ov
 from overview_dsp.signal.surface import base_surface
 from overview_dsp.signal.surface.angle_map import AngleMap
-from overview_dsp.signal.surface.base_surface import pattern
 from overview_dsp.signal.surface.fields import impedance
 from overview_dsp.signal.surface.materials import modes_of
+from overview_dsp.signal.surface.patterns import pattern
 from tests.examples import plain_preset, timeline_of
 
 CELLS = 2000

@@ -15,7 +15,7 @@ from overview_dsp.kernels.layout import CELLS
 from overview_dsp.measure.perceived_level import JND_DB, stroke_feel, strokes, window_db
 from overview_dsp.offline.plots.paper import plot_strokes
 from overview_dsp.offline.plots.timeline import plot_timeline
-from overview_dsp.signal.surface.base_surface import GROOVE, MIN_GAP_CELLS, ribs
+from overview_dsp.signal.surface.patterns import GROOVE, MIN_GAP_CELLS, ribs
 from overview_dsp.units import JUST_NOTICEABLE_DB
 from tests.examples import plain_preset, timeline_of
 

@@ -11,7 +11,7 @@ import overview_dsp as ov
 from overview_dsp.design.presets.parameters import PATTERNS
 from overview_dsp.kernels.layout import CELLS
 from overview_dsp.measure.report import character_distance, feel_report
-from overview_dsp.signal.surface.base_surface import pattern
+from overview_dsp.signal.surface.patterns import pattern
 from tests.examples import plain_preset, timeline_of
 
 PERIOD_PERCENT = 2.0

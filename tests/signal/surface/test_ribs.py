@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import overview_dsp as ov
-from overview_dsp.signal.surface.base_surface import ribs
+from overview_dsp.signal.surface.patterns import ribs
 
 CELLS, DURATION = 400, 100.0  # four cells a second
 
