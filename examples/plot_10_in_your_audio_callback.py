@@ -42,7 +42,7 @@ axes.plot(time, samples[:, 0], color="#0072B2", linewidth=0.5, label="click")
 axes.set(xlabel="seconds", ylabel="full scale")
 axes.legend(frameon=False, loc="upper right")
 axes.set_title(
-    "Click and tactor of a hand that turns there and back; the tactor 6 dB lower from 1.07 s"
+    "Click and tactor of a movement forwards and backwards; the tactor is 6 dB lower from 1.07 s"
 )
 
 # %%

@@ -22,8 +22,7 @@ rate = 48_000
 # %%
 # The match is played at 60 times its speed: one second of sound per minute of play. In a program
 # of your own, the events come from a feed; here they are those of the bundled match, each at its
-# time. A hand that holds the disk keeps the map that it touched: what is new comes to the engine
-# between twists.
+# time. During a touch the map stays the same: new events are added to the engine between twists.
 
 live = ov.LiveTimeline(match.title.split(" ", 1)[0], expected_duration_s=match.duration_s)
 engine = ov.Engine(preset, live.snapshot())
@@ -57,7 +56,7 @@ print(f"after {live.now_s / 60.0:.0f} minutes: {live.snapshot().kinds()}")
 
 # %%
 # What was felt: the tactor's signal over the minutes of play, and where the disk was. The second
-# twist meets an own goal; the goals are what is new in the third.
+# twist meets an own goal; the third one adds the goals.
 
 figure, (felt, disk) = plt.subplots(2, 1, figsize=(8, 4.5), sharex=True, layout="constrained")
 minutes = np.arange(len(sound)) / rate
@@ -76,7 +75,7 @@ now = live.snapshot()
 ov.render(now, preset, twist)
 
 # %%
-# The goal that was found, closer: the hand goes to just before it, and what led to it is felt.
+# A closer view of this goal: the hand moves to a point just before it, over the preceding events.
 
 goal = now.event("goal", 1)
 print(goal.label, "at", now.moment_text(goal.time_s))

@@ -54,7 +54,7 @@ def study(*arguments: object) -> str:
 # %%
 # Four condition blocks in the order of a Williams square; every list has every stimulus as often.
 # The observers have a d' of 1.8 with the disk, 0.6 less without it; touch and twist don't differ.
-# For people, ``overview study serve`` takes the place of ``simulate``.
+# With participants, use ``overview study serve`` instead of ``simulate``.
 
 with tempfile.TemporaryDirectory() as name:
     place = Path(name)

@@ -109,7 +109,7 @@ SENTENCES = {
         )
         and lowest(name, "red_card") > lowest(name, "yellow_card")
     ),
-    ("football", "one an octave lower that rings on for an own goal"): lambda name: (
+    ("football", "an own goal like one that is an octave lower and longer"): lambda name: (
         lowest(name, "goal") / lowest(name, "own_goal") == OCTAVE
         and longest(name, "own_goal") > 1.5 * longest(name, "goal")
     ),
@@ -168,7 +168,7 @@ SENTENCES = {
         )
     ),
     # --- surfaces
-    ("ratchet", "a ratchet of 24 teeth: each rises slowly and lets go at once"): lambda name: (
+    ("ratchet", "a ratchet of 24 teeth: each rises slowly and falls suddenly"): lambda name: (
         ridges(name)[0] == 24 and falls_at_once(ridges(name)[1])
     ),
     ("safe-dial", "a hundred fine, even ticks, and between them nothing"): lambda name: (
