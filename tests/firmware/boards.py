@@ -14,6 +14,29 @@ HERE = Path(__file__).resolve().parent
 ARDUINO = Path("/usr/share/arduino/hardware/arduino/avr")
 MICROBIT = Path("/usr/share/firmware-microbit-micropython/firmware.hex")
 
+SIMPLE_FOC = """
+struct { void setClock(uint32_t) {} } Wire;
+enum { AS5048_I2C };
+enum class MotionControlType { torque, velocity };
+struct MagneticSensorI2C { MagneticSensorI2C(int) {} void init() {} };
+struct BLDCDriver3PWM {
+  float voltage_power_supply;
+  BLDCDriver3PWM(int, int, int, int) {}
+  void init() {}
+};
+struct BLDCMotor {
+  float voltage_limit = 0;
+  MotionControlType controller = MotionControlType::velocity;
+  BLDCMotor(int) {}
+  template <class T> void linkSensor(T *) {}
+  template <class T> void linkDriver(T *) {}
+  void init() {} void initFOC() {} void loopFOC() { loop_foc(); }
+  float shaftAngle() { return angle; }
+  void move(float target) { volts = target; }
+};
+"""
+"""Stand-in for SimpleFOC: its motor has `angle` and `volts`, and runs `loop_foc`."""
+
 UNO = (
     "-mmcu=atmega328p", "-DF_CPU=16000000UL", "-DARDUINO=10807", "-DARDUINO_AVR_UNO",
     "-DARDUINO_ARCH_AVR", f"-I{ARDUINO}/cores/arduino", f"-I{ARDUINO}/variants/standard",

@@ -12,7 +12,7 @@ from overview_dsp.devices.sensors.frames import FrameDecoder, framed
 from overview_dsp.devices.sensors.profile import load_sensor
 from overview_dsp.devices.sensors.reading import Counters
 from tests.devices.force_feedback.board_frames import all_frames
-from tests.firmware.boards import FIRMWARE, needs, run
+from tests.firmware.boards import FIRMWARE, SIMPLE_FOC, needs, run
 
 LIBRARY = """
 #include <stdint.h>
@@ -31,25 +31,7 @@ struct {
   void write(uint8_t) {}
   void write(const uint8_t *data, int count) { while (count--) printf("%02x", *data++); puts(""); }
 } Serial;
-struct { void setClock(unsigned long) {} } Wire;
-enum { AS5048_I2C };
-enum class MotionControlType { torque, velocity };
-struct MagneticSensorI2C { MagneticSensorI2C(int) {} void init() {} };
-struct BLDCDriver3PWM {
-  float voltage_power_supply;
-  BLDCDriver3PWM(int, int, int, int) {}
-  void init() {}
-};
-struct BLDCMotor {
-  float voltage_limit = 0;
-  MotionControlType controller = MotionControlType::velocity;
-  BLDCMotor(int) {}
-  template <class T> void linkSensor(T *) {}
-  template <class T> void linkDriver(T *) {}
-  void init() {} void initFOC() {} void loopFOC() {}
-  float shaftAngle() { return angle; }
-  void move(float target) { volts = target; }
-};
+static void loop_foc() {}
 """
 
 MAIN = """
@@ -73,7 +55,7 @@ def sources(tmp_path_factory, match, football):
     frames = b"".join(all_frames(loop, 8193))
     frames += framed(bytes((19, 1))) * 4000
     data = f"static const unsigned char FRAMES[] = {{{','.join(map(str, frames))}}};\n"
-    (folder / "SimpleFOC.h").write_text(data + LIBRARY)
+    (folder / "SimpleFOC.h").write_text(data + LIBRARY + SIMPLE_FOC)
     sketch = (FIRMWARE / "knob" / "knob.ino").read_text("utf-8")
     (folder / "knob.cpp").write_text(sketch + MAIN)
     return folder, len(frames) // 100

@@ -12,7 +12,7 @@ from overview_dsp.devices.force_feedback.board_loop import BoardLoop
 from overview_dsp.devices.sensors.frames import framed
 from overview_dsp.devices.sensors.profile import load_sensor
 from tests.devices.force_feedback.board_frames import all_frames
-from tests.firmware.boards import FIRMWARE, run
+from tests.firmware.boards import FIRMWARE, SIMPLE_FOC, run
 
 LIBRARY = """
 #include <stdint.h>
@@ -39,26 +39,7 @@ struct {
   void write(uint8_t) {}
   void write(const uint8_t *, int) { reports++; }
 } Serial;
-struct { void setClock(uint32_t) {} } Wire;
-enum { AS5048_I2C };
-enum class MotionControlType { torque, velocity };
-struct MagneticSensorI2C { MagneticSensorI2C(int) {} void init() {} };
-struct BLDCDriver3PWM {
-  float voltage_power_supply;
-  BLDCDriver3PWM(int, int, int, int) {}
-  void init() {}
-};
-struct BLDCMotor {
-  float voltage_limit = 0;
-  MotionControlType controller = MotionControlType::velocity;
-  BLDCMotor(int) {}
-  template <class T> void linkSensor(T *) {}
-  template <class T> void linkDriver(T *) {}
-  void init() {} void initFOC() {}
-  void loopFOC() { now += least_us + drawn() % (most_us - least_us + 1); }
-  float shaftAngle() { return angle; }
-  void move(float target) { volts = target; }
-};
+static void loop_foc() { now += least_us + drawn() % (most_us - least_us + 1); }
 """
 
 MAIN = """
@@ -121,7 +102,7 @@ def played(tmp_path_factory, match, football):
 
     def play(least_us, most_us, host=200.0, again=200.0, stalls=True):
         folder = tmp_path_factory.mktemp("timing")
-        (folder / "SimpleFOC.h").write_text(data + LIBRARY)
+        (folder / "SimpleFOC.h").write_text(data + LIBRARY + SIMPLE_FOC)
         sketch = (FIRMWARE / "knob" / "knob.ino").read_text("utf-8")
         (folder / "knob.cpp").write_text(sketch + MAIN)
         values = {
