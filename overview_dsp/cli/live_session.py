@@ -86,6 +86,7 @@ def open_player(
         actuator=output.actuator,
         record=session.record,
         seed=session.seed,
+        marks=data.marks,
         **output_changes(output.settings),
     )
     opened = OpenedPlayer(data.timeline, settings, note, say)

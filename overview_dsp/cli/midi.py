@@ -23,16 +23,16 @@ def command() -> None:
 def learn(name: str, target: str, *, learning: Learning) -> None:
     """Assign the control that you move on the port NAME to TARGET.
 
-    TARGET is theta2 (the angle), touch (holds the disk while it is pressed), taps (keys, each
-    with one position) or the id of a parameter (overview presets reference). The control
-    is added to the map file, and replaces another control of TARGET. A knob without ends
-    is detected by its steps.
+    TARGET is theta2 (the angle), touch (holds the disk while it is pressed), mark (sets a
+    mark), taps (keys, each with one position) or the id of a parameter (overview presets
+    reference). The control is added to the map file, and replaces another control of TARGET.
+    A knob without ends is detected by its steps.
     """
     from overview_dsp.devices.controllers.control_map import (
         KEYS,
+        SWITCHES,
         TAPS,
         THETA2,
-        TOUCH,
         Control,
         load_map,
         parse_map,
@@ -41,7 +41,7 @@ def learn(name: str, target: str, *, learning: Learning) -> None:
     from overview_dsp.devices.controllers.learning import Learner
     from overview_dsp.live.ports.midi import MidiPort
 
-    require_target(target, (THETA2, TOUCH, TAPS))
+    require_target(target, (THETA2, TAPS, *SWITCHES))
     stand_in = Control("keys", *KEYS) if target == TAPS else Control("cc", 1)
     wanted = replace(stand_in, to=target, low=learning.low, high=learning.high)
     parse_map(write_map((wanted,)), target)  # checks the range

@@ -22,14 +22,14 @@ def command() -> None:
 def learn(port: str, target: str, *, learning: Learning) -> None:
     """Assign to TARGET the control that you move, received at PORT (or HOST:PORT).
 
-    TARGET is theta2 (the angle), touch (holds the disk while it is pressed), device (the angle is
-    the rotation of the sender itself) or the id of a parameter (overview presets reference). The
-    control is added to the map file, and replaces another control of TARGET.
+    TARGET is theta2 (the angle), touch (holds the disk while it is pressed), mark (sets a mark),
+    device (the angle is the rotation of the sender itself) or the id of a parameter (overview
+    presets reference). The control is added to the map file, and replaces another of TARGET.
     """
     from overview_dsp.devices.controllers.control_map import (
         SENSED,
+        SWITCHES,
         THETA2,
-        TOUCH,
         OscControl,
         load_osc_map,
         parse_osc_map,
@@ -38,7 +38,7 @@ def learn(port: str, target: str, *, learning: Learning) -> None:
     from overview_dsp.devices.controllers.learning import DEVICE, OscLearner
     from overview_dsp.live.ports.osc import OscPort
 
-    require_target(target, (THETA2, TOUCH, DEVICE))
+    require_target(target, (THETA2, DEVICE, *SWITCHES))
     to = "acceleration" if target == DEVICE else target
     parse_osc_map(write_map((OscControl("/x", to, low=learning.low, high=learning.high),)), target)
     learner = OscLearner(target)
@@ -57,7 +57,7 @@ def learn(port: str, target: str, *, learning: Learning) -> None:
     found, text = learning.learn(
         load_osc_map, lambda: OscPort(port), learner, decode, failure, replaced
     )
-    sent = "" if target in (DEVICE, TOUCH) else f", {found.sends[0]:g} to {found.sends[1]:g},"
+    sent = "" if target in (DEVICE, *SWITCHES) else f", {found.sends[0]:g} to {found.sends[1]:g},"
     summary = f"{found.address}{sent} is {found.to if target == DEVICE else target}"
     report = {"address": found.address, "value": found.value, "to": found.to}
     learning.save(text, report, summary)

@@ -8,7 +8,8 @@ import sys
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar
 
 import overview_dsp as ov
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
 
     from overview_dsp.data.timeline import Timeline
     from overview_dsp.live.session.live_updates import FollowSettings
+    from overview_dsp.live.session.marks import MarksFile
     from overview_dsp.web.media import Media
 
 FIRST_WITHIN_S = 3.0  # longest wait for the first data, which determine the preset, s
@@ -109,12 +111,13 @@ class Feed:
 
 @dataclass(frozen=True)
 class OpenedData:
-    """Opened timeline, its first window (start_s, end_s), and its preset (name or path)."""
+    """Opened timeline, its first window (start_s, end_s), preset (name or path) and marks."""
 
     timeline: Timeline
     window: tuple[float, float] | None
     preset: str
     follow: FollowSettings | None
+    marks: MarksFile
 
     def routes(self, audio: str, linear: bool, media: Media | None = None) -> list[BaseRoute]:
         """Return the routes that serve the data to a page."""
@@ -132,6 +135,8 @@ def open_data(
     timeline: str | None, feed: Feed, reading: Reading, window: Window, preset: str | None
 ) -> Iterator[OpenedData]:
     """Open the timeline of a file, or follow a live source; InputError."""
+    from overview_dsp.live.session.marks import MarksFile  # late: the session takes time to load
+
     with feed.opened(timeline, reading) as follow:
         if follow is None:
             assert timeline is not None
@@ -139,10 +144,21 @@ def open_data(
         else:
             data, preset = follow.live.padded_snapshot(), preset or follow.preset
         first = window.of(data)
+        marks = MarksFile(_marks_path(timeline or _settings_of(feed.follow or "")[0]))
         if first is not None and window.window and follow is None:
-            data, first = data.window(*first), None
+            data, marks = data.window(*first), replace(marks, start_s=first[0])
+            first = None
         name = preset_for(data, preset)
         if follow is not None:
             follow.use_preset_layout(ov.load_preset(name))
             data = follow.live.padded_snapshot()
-        yield OpenedData(data, first, name, follow)
+        yield OpenedData(data, first, name, follow, marks)
+
+
+def _marks_path(source: str) -> Path:
+    """Return the path of a source's marks: beside a file, otherwise in the current folder."""
+    path = Path(source)
+    if path.is_file():
+        return path.with_name(f"{path.name}.marks.json")
+    name = re.sub(r"[^A-Za-z0-9._-]+", "-", source.rpartition("/")[2]).strip("-.")
+    return Path(f"{name or 'live'}.marks.json")

@@ -37,6 +37,8 @@ def rhythm_name(label: str) -> str:
 
 MAX_EVENTS = 500_000  # maximum number of events of a file: they take 400 MB
 
+MARK = "mark"  # kind of the marks that a user sets
+
 
 @dataclass(frozen=True)
 class Event:

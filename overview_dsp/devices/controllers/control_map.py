@@ -4,7 +4,7 @@ The controls of a MIDI controller::
 
     [[control]]
     control = "cc 7"            # bend, pressure, cc NUMBER, note NUMBER, keys LOW-HIGH
-    to = "tactor.gain_db"       # theta2, touch, taps or a parameter's id
+    to = "tactor.gain_db"       # theta2, touch, taps, mark or a parameter's id
     channel = 1                 # 1 to 16; any channel without this key
     low = -24.0                 # values at its two ends: for theta2 and taps positions on the
     high = 0.0                  # timeline (0 and 1), for a parameter values (default: its range)
@@ -16,7 +16,7 @@ The OSC messages of another program (`APPS` has the maps of well-known apps)::
 
     [[control]]
     address = "*/fader1"        # address of the messages; after a * the end of the address
-    to = "theta2"               # theta2, touch, a parameter's id, or a quantity that a device
+    to = "theta2"               # theta2, touch, mark, a parameter's id, or a quantity that a device
                                 # measures: acceleration, angular_velocity, quaternion, angles
     value = 1                   # which of the message's values; of a quantity, the first
     sends = [0.0, 1.0]          # values sent at its two ends
@@ -53,7 +53,10 @@ from overview_dsp.validation import prefix_errors
 
 SCHEMA = 1
 
-THETA2, TOUCH, TAPS = "theta2", "touch", "taps"
+THETA2, TOUCH, TAPS, MARK = "theta2", "touch", "taps", "mark"
+SWITCHES = (TOUCH, MARK)
+"""Targets with two states: a touch, and a mark at the disk, which a press sets."""
+
 KEYS = (36, 96)  # five octaves about middle C: the keys of most keyboards
 
 RELATIVE = ("twos", "offset", "signed")
@@ -177,8 +180,9 @@ class _Entry(Strict):
                 continue
             if self.to in (THETA2, TAPS) and not 0.0 <= value <= 1.0:
                 raise InputError(f"{key} = {value:g}; a position on the timeline must be 0 to 1")
-            if self.to == TOUCH:
-                raise InputError(f"{key} does not apply to a touch, which has no range; remove it")
+            if self.to in SWITCHES:
+                raise InputError(f"{key} does not apply to a {self.to}, which has no range; "
+                                 "remove it")  # fmt: skip
         return self.low, self.high
 
 
@@ -289,7 +293,7 @@ def _midi_control(entry: _MidiEntry) -> Control:
         raise InputError(f"{named.name!r} has two states and can't be {THETA2!r}; use {TOUCH!r}")
     if not entry.relative and entry.model_fields_set & {"reverse", "steps"}:
         raise InputError(f"relative is missing; must be {', '.join(RELATIVE)}")
-    if entry.relative and (named.kind != "cc" or to == TOUCH):
+    if entry.relative and (named.kind != "cc" or to in SWITCHES):
         raise InputError(f"relative does not apply to {named.name!r} as {to!r}; must be a cc that "
                          "sets theta2 or a parameter")  # fmt: skip
     values = entry.model_dump(include={"channel", "to", "relative", "reverse", "steps"})

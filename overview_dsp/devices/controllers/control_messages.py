@@ -9,7 +9,15 @@ from dataclasses import dataclass, replace
 from overview_dsp.design.presets.model import Preset
 from overview_dsp.design.presets.parameter import Parameter, Value
 from overview_dsp.design.presets.parameters import KIND_PARAMETERS, PARAMETERS
-from overview_dsp.devices.controllers.control_map import TAPS, THETA2, TOUCH, Control, OscControl
+from overview_dsp.devices.controllers.control_map import (
+    MARK,
+    SWITCHES,
+    TAPS,
+    THETA2,
+    TOUCH,
+    Control,
+    OscControl,
+)
 from overview_dsp.errors import InputError, did_you_mean
 from overview_dsp.units import HALF_TURN
 
@@ -148,6 +156,7 @@ class AssignedControls:
     def __init__(self, names: Mapping[Control | OscControl, str]) -> None:
         named = names.items()
         self._positions = {one: PositionControl(name) for one, name in named if one.to == THETA2}
+        self._pressed: set[Control | OscControl] = set()  # of those that set marks
 
     def messages(self, control: Control | OscControl, position: float) -> list[Message]:
         """Return the messages of a control that is at `position`, 0 to 1."""
@@ -158,6 +167,10 @@ class AssignedControls:
             touching = position >= 0.5
             positions = self._positions.values()
             return [message for one in positions for message in one.set_touching(touching)]
+        if control.to == MARK:
+            was_pressed = control in self._pressed
+            (self._pressed.add if position >= 0.5 else self._pressed.discard)(control)
+            return [Command(("mark",))] if position >= 0.5 and not was_pressed else []
         return [ScaleParameter(control.to, position, control.low, control.high)]
 
 
@@ -180,7 +193,7 @@ def find_parameter(preset: Preset, id: str) -> tuple[Parameter, Value | None]:
 def require_parameters(controls: Iterable[Control], preset: Preset) -> None:
     """Raise InputError unless the controls' parameters exist and their ends are in range."""
     for one in controls:
-        if one.to not in (THETA2, TOUCH, TAPS):
+        if one.to not in (THETA2, TAPS, *SWITCHES):
             try:
                 known, _ = find_parameter(preset, one.to)
                 for end in (one.low, one.high):

@@ -13,9 +13,9 @@ import numpy as np
 from overview_dsp.devices.controllers.control_map import (
     PHONE,
     RELATIVE,
+    SWITCHES,
     TAPS,
     THETA2,
-    TOUCH,
     Control,
     OscControl,
 )
@@ -43,9 +43,9 @@ LARGEST_STEP = 12  # largest step of an endless knob, turned fast
 class Learner:
     """Finds the moved MIDI control.
 
-    Taps need two keys, the lowest and the highest. A touch needs a pressed key or pedal. Other
-    targets need a turned control. A coarse control change identifies a fine one. The steps of an
-    endless knob, first to the right, then to the left, identify its code.
+    Taps need two keys, the lowest and the highest. A touch or a mark needs a pressed key or pedal.
+    Other targets need a turned control. A coarse control change identifies a fine one. The steps of
+    an endless knob, first to the right, then to the left, identify its code.
     """
 
     def __init__(self, to: str) -> None:
@@ -60,7 +60,7 @@ class Learner:
         """Instruction to the user."""
         if self._to == TAPS:
             return "press the lowest key, then the highest"
-        if self._to == TOUCH:
+        if self._to in SWITCHES:
             return "press the key or the pedal"
         return "turn it to the right, then back to the left"
 
@@ -73,7 +73,7 @@ class Learner:
             return self._note(data[1], channel)
         if kind == 0xB0 and len(data) == 3 and data[1] < 120 and self._to != TAPS:
             return self._changed(Control("cc", data[1], channel=channel), data[2])
-        if self._to in (TAPS, TOUCH):
+        if self._to in (TAPS, *SWITCHES):
             return None
         if kind == 0xE0 and len(data) == 3:
             return self._changed(Control("bend", channel=channel), data[2])
@@ -91,8 +91,8 @@ class Learner:
         return Control("keys", low, high, channel=channel, to=TAPS) if low < high else None
 
     def _changed(self, control: Control, value: int) -> Control | None:
-        if self._to == TOUCH:
-            return replace(control, to=TOUCH) if value >= 64 else None
+        if self._to in SWITCHES:
+            return replace(control, to=self._to) if value >= 64 else None
         if control.kind == "cc":
             history = self._history.setdefault(control, [])
             history.append(value)
@@ -203,7 +203,7 @@ class OscLearner:
         """Instruction to the user."""
         if self._to == DEVICE:
             return "put the device down, face up; then turn it face down and back, 2 times"
-        if self._to == TOUCH:
+        if self._to in SWITCHES:
             return "press it"
         return "move it from one end to the other and back, then leave it"
 
@@ -238,9 +238,9 @@ class OscLearner:
         if self._to == DEVICE:
             return self._device(time_s)
         for (address, index), seen in self._ranges.items():
-            if self._to == TOUCH:
+            if self._to in SWITCHES:
                 if seen.high >= 1.0 and seen.seen <= {0.0, seen.high} and seen.value == seen.high:
-                    return OscControl(address, TOUCH, index, (0.0, seen.high))
+                    return OscControl(address, self._to, index, (0.0, seen.high))
             elif seen.is_done(time_s):
                 return OscControl(address, self._to, index, seen.ends)
         return None

@@ -139,7 +139,7 @@ def encode_message(address: str, values: Sequence[bool | int | float | str]) -> 
 
 
 PREFIX = "/overview/"
-COMMANDS = ("record", "replay", "preset", "window")
+COMMANDS = ("record", "replay", "preset", "window", "mark", "unmark", "name-mark")
 """Names of requests that are neither movement nor parameter."""
 
 ROUNDING = 1e-4

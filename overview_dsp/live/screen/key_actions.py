@@ -43,6 +43,8 @@ class KeyActions:
             "p": player.toggle_replay,
             "P": player.toggle_replay,
             "n": lambda: player.queue_command("missed"),
+            "k": lambda: player.queue_command("mark"),
+            "u": lambda: player.queue_command("unmark"),
             "1": lambda: player.choose_preset(0),
             "2": lambda: player.choose_preset(1),
             "m": lambda: player.queue_command("mute", "click"),

@@ -158,6 +158,18 @@ def _missed(player: Player, minute: str = "") -> None:
     player.missed_events.visit(parse_duration(minute) if minute else None)
 
 
+def _mark(player: Player, *name: str) -> None:
+    player.marks.set(" ".join(name))
+
+
+def _unmark(player: Player) -> None:
+    player.marks.undo()
+
+
+def _name_mark(player: Player, word: str, *more: str) -> None:
+    player.marks.rename(" ".join((word, *more)))
+
+
 def _blind(player: Player, word: str) -> None:
     if player.blind is None:
         raise InputError("this session has no blind comparison; start it with --compare --blind")

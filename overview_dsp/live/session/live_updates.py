@@ -30,6 +30,7 @@ from overview_dsp.design.presets.model import DEFAULT_KIND, Preset
 from overview_dsp.errors import InputError, OverviewError
 from overview_dsp.live.inputs.feeds import parse_layout
 from overview_dsp.live.session.active_window import ActiveWindow
+from overview_dsp.live.session.marks import Marks
 from overview_dsp.live.session.session import Pointer, Session
 from overview_dsp.public import counted
 from overview_dsp.signal.engine.replay import set_pattern
@@ -83,8 +84,11 @@ class LiveUpdates:
         Latest announced events, up to 100, the newest last.
     """
 
-    def __init__(self, session: Session, follow: FollowSettings, window: ActiveWindow) -> None:
+    def __init__(
+        self, session: Session, follow: FollowSettings, window: ActiveWindow, marks: Marks
+    ) -> None:
         self._engine, self._say, self._window = session.engine, session.say, window
+        self._marks = marks
         self._follow, self.live = follow, follow.live
         self._seen = follow.live.revision
         self._touched_since: float | None = None
@@ -124,7 +128,7 @@ class LiveUpdates:
         if now < self._next_update:
             return
         after_s = math.inf if self._follow.after_s is None else self._follow.after_s
-        snapshot = self.live.padded_snapshot()
+        snapshot = self._marks.on(self.live.padded_snapshot())
         if self._touched_since is not None and now - self._touched_since < after_s:
             self._update_future(snapshot, now)
             return
@@ -236,7 +240,9 @@ class LiveUpdates:
             self._announcement = (start, False)
         if touched or now >= start + ANNOUNCEMENT_S:
             self._announcement = None
-            self._must_update = not self._window.update_timeline(self.live.padded_snapshot())
+            self._must_update = not self._window.update_timeline(
+                self._marks.on(self.live.padded_snapshot())
+            )
 
 
 def _strength(preset: Preset, event: Event) -> float:

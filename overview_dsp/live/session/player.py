@@ -18,6 +18,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from overview_dsp.data.feeds.timeline_diff import timeline_diff
 from overview_dsp.data.readers.registry import load_timeline
 from overview_dsp.data.timeline import Timeline
 from overview_dsp.design.gestures import load_gesture
@@ -35,6 +36,7 @@ from overview_dsp.live.session.active_window import SAME_POSITION, ActiveWindow
 from overview_dsp.live.session.blind import BlindComparison
 from overview_dsp.live.session.live_updates import FollowSettings, LiveUpdates, MissedEvents
 from overview_dsp.live.session.loop import Loop
+from overview_dsp.live.session.marks import Marks, MarksFile
 from overview_dsp.live.session.presets import PresetPair, PresetWatch
 from overview_dsp.live.session.session import Pointer, Session, SessionState, Status
 from overview_dsp.live.takes.recovery import pop_interrupted_takes
@@ -70,6 +72,8 @@ class Player:
         State at the last poll; any thread may read it.
     queued_commands : deque of tuple of str
         Commands that wait for `commands.poll`.
+    marks : Marks
+        Marks of the user.
     blind : BlindComparison or None
         Blind comparison, during which the presets are chosen by it alone.
     """
@@ -88,11 +92,13 @@ class Player:
         seed: int = 0,
         other: PresetWatch | None = None,
         follow: FollowSettings | None = None,
+        marks: MarksFile | None = None,
     ) -> None:
         """Open the output and start to play; `opener` is called again if the output is lost.
 
         `record` is the path of takes; with it, the first take starts at once. `other` is the second
         preset to switch to. With `follow`, `timeline` is the present snapshot of a live timeline.
+        `marks` keeps the marks of the user.
 
         OverviewError: the output can't be opened, or the take can't be written.
         """
@@ -106,7 +112,11 @@ class Player:
         window = self.active_window = ActiveWindow(session, timeline, self._presets)
         self.show, self.time_at = window.show, window.time_at
         self.takes = Takes(session, record)
-        self.live_updates = None if follow is None else LiveUpdates(session, follow, window)
+        self._plain = timeline  # a complete timeline without marks
+        self.marks = Marks(session, window, marks)
+        self.live_updates = (
+            None if follow is None else LiveUpdates(session, follow, window, self.marks)
+        )
         self.state = SessionState("starting", "opening the output")
         self.blind: BlindComparison | None = None
         self._ended_replay: str | None = None  # since which nothing has touched the disk
@@ -246,8 +256,11 @@ class Player:
     def poll(self) -> Status:
         """Update all parts of the session; return its status."""
         playing = self.output.playing
-        if self.live_updates is not None and not self.loop.playing and playing:
-            self.live_updates.poll(self.pointer.touching)
+        if not self.loop.playing and playing:
+            if self.live_updates is not None:
+                self.live_updates.poll(self.pointer.touching)
+            elif (marked := self.marks.on(self._plain)) is not self.timeline:
+                self.active_window.update_timeline(marked)
         if self.missed_events is not None and playing:
             self.missed_events.poll()
         self.active_window.poll()
@@ -360,9 +373,7 @@ class Player:
             self._start_exact_take()
         if self.takes.recording_path is None:
             # differences at the first sample from the timeline and preset named in the header
-            before: list[Mapping[str, Any]] = []
-            if self.window != self._whole:
-                before.append({"window": list(self.window)})
+            before = self._changes_to(self.window)
             if self.engine.preset != self._presets.preset:
                 before.append({"preset": preset_to_dict(self.engine.preset)})
             self.takes.start(before, *self._take_header)
@@ -373,16 +384,26 @@ class Player:
         The engine restarts with the timeline and preset that the take's header names. Differences
         are applied at once.
         """
-        window, preset = self.window, self.active_window.pop_requested_preset()
+        preset = self.active_window.pop_requested_preset()
+        changes = self._changes_to(self.window)
 
         def begin() -> None:
             self.takes.start([], *self._take_header)
-            if window != self._whole:
-                self.active_window.apply_window(window, 0)
+            self.active_window.timeline = start
+            for change in changes:
+                self.active_window.apply_take_change(change, 0)
             if preset != self.engine.preset:
                 self.engine.set_preset(preset, 0)
 
-        self.loop.restart(self.timeline, self._whole, self._presets.preset, begin)
+        start = self.timeline if self.live_updates is not None else self._plain
+        self.loop.restart(start, self._whole, self._presets.preset, begin)
+
+    def _changes_to(self, window: tuple[float, float]) -> list[Mapping[str, Any]]:
+        """Return the changes from the timeline without marks to the present one and a window."""
+        shown = None if window == self._whole else list(window)
+        if self.live_updates is None and self.timeline is not self._plain:
+            return [{"timeline": {**timeline_diff(self._plain, self.timeline), "window": shown}}]
+        return [] if shown is None else [{"window": shown}]
 
     def _end_before_restart(self) -> None:
         """End the take, the touch and the announcement before the engine restarts."""
@@ -405,7 +426,8 @@ class Player:
         saved_timeline = timeline_path(path)
         try:
             gesture = load_gesture(path)
-            whole = load_timeline(saved_timeline) if saved_timeline.exists() else None
+            plain = self._plain if self.live_updates is None else None
+            whole = load_timeline(saved_timeline) if saved_timeline.exists() else plain
         except InputError as error:
             self.say(str(error))
         else:
@@ -431,6 +453,7 @@ class PlayerSettings:
     tactor: Mapping[str, Any] = field(default_factory=dict)
     record: str | None = None  # file of a take that starts at the first sample
     seed: int = 0  # of the texture noise
+    marks: MarksFile | None = None
 
 
 class OpenedPlayer:
@@ -486,6 +509,7 @@ class OpenedPlayer:
             seed=settings.seed,
             other=other,
             follow=settings.follow,
+            marks=settings.marks,
         )
 
     def __enter__(self) -> Player:

@@ -11,8 +11,8 @@ goes through one `AngleMap`, which the surface holds. A window of a timeline has
 3. Positions are linear in time between these events. Simultaneous events keep their order, `least`
    apart, and their time has the position of the last one. Events at the ends stay there.
 
-Events that fill a timeline (touches, shots, ticks of the calendar) move with their surroundings
-but are not separated.
+Events that fill a timeline (touches, shots, ticks of the calendar) and marks of the user move with
+their surroundings but are not separated.
 """
 
 from __future__ import annotations
@@ -26,6 +26,7 @@ from numpy.typing import ArrayLike
 from overview_dsp import validation
 from overview_dsp.arrays import FloatArray
 from overview_dsp.data.timeline import Timeline
+from overview_dsp.data.timeline.event import MARK
 from overview_dsp.data.timeline.ticks import KINDS as TICKS
 from overview_dsp.design.presets.model import Preset
 
@@ -33,7 +34,7 @@ BETWEEN = frozenset(("touch", "shot"))
 """Event kinds that are not separated but widen their interval."""
 
 MIN_ROOM = 0.3  # least width of an interval relative to that without touches and shots
-FILL = BETWEEN | frozenset(TICKS)  # event kinds that are not separated
+FILL = BETWEEN | {*TICKS, MARK}  # event kinds that are not separated
 
 SHARE = "surface.angle_map"
 """Parameter of the preset: least interval between two events relative to the mean interval."""
