@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from overview_dsp.errors import InputError
-from overview_dsp.web.messages import Events, Name, Pong, Show, decode_message
+from overview_dsp.web.messages import Events, Mark, Name, Pong, Show, decode_message
 from overview_dsp.web.remote_inputs import SILENCE_TIMEOUT_S, RemoteInput
 
 if TYPE_CHECKING:
@@ -93,6 +93,8 @@ async def _listen(websocket: WebSocket, session: HostSession, remote: RemoteInpu
             remote.clock.add(message.host_s, message.page_s, time.monotonic())
         elif isinstance(message, Name):
             remote.name = message.name
+        elif isinstance(message, Mark):
+            session.player.queue_command("mark", *message.name.split())
         elif isinstance(message, Show):
             session.show(message.start_s, message.end_s)
 

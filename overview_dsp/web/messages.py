@@ -7,6 +7,7 @@ Messages from the page::
     {"pong": host_s, "time_ms": time_ms}             the reply to a ping
     {"show": [start_s, end_s]}                       the window to show
     {"name": "Anna's phone"}                         the input's name; up to 40 characters
+    {"mark": ""}                                     set a mark at the disk, with a name
 
 Messages from the host::
 
@@ -76,7 +77,14 @@ class Name:
     name: str
 
 
-def decode_message(text: str) -> Events | Pong | Show | Name:
+@dataclass(frozen=True)
+class Mark:
+    """Request to set a mark at the disk's position."""
+
+    name: str
+
+
+def decode_message(text: str) -> Events | Pong | Show | Name | Mark:
     """Decode a message of a page; raise InputError if it is invalid."""
     fields = json_object(text, "a message")
     keys = fields.keys()
@@ -93,13 +101,16 @@ def decode_message(text: str) -> Events | Pong | Show | Name:
             _number(start, "show[0]", 0.0, math.inf), _number(end, "show[1]", 0.0, math.inf)
         )
     if keys == {"name"}:
-        return Name(_name(fields["name"]))
-    raise InputError("message keys must be events, pong and time_ms, show, or name")
+        return Name(_name(fields, "name"))
+    if keys == {"mark"}:
+        return Mark(_name(fields, "mark"))
+    raise InputError("message keys must be events, pong and time_ms, show, name, or mark")
 
 
-def _name(value: Any) -> str:
+def _name(fields: dict[str, Any], key: str) -> str:
+    value = fields[key]
     if not isinstance(value, str) or len(value) > MAX_NAME or not value.isprintable():
-        raise InputError(f"name must be one line of up to {MAX_NAME} characters")
+        raise InputError(f"{key} must be one line of up to {MAX_NAME} characters")
     return value
 
 

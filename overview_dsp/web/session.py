@@ -19,30 +19,35 @@ from overview_dsp.web.remote_inputs import RemoteInputs
 
 
 class HostSession(Input):
-    """Player that pages control; also the input that `headless.run` and the screen poll."""
+    """Player that pages control; also the input that `headless.run` and the screen poll.
+
+    Attributes
+    ----------
+    player : Player
+    """
 
     def __init__(self, player: Player, other: Input | None = None) -> None:
         """Control `player`; the session ends with the second input `other`, if there is one."""
         self.inputs = RemoteInputs(player.engine)
-        self._player = player
+        self.player = player
         self._other = other
         self._windows: deque[tuple[float, float]] = deque(maxlen=1)
         self._presets: deque[Preset] = deque(maxlen=1)
 
     def show(self, start_s: float, end_s: float) -> None:
         """Show a window at the next poll; raise InputError for an invalid window."""
-        self._windows.append(self._player.timeline.require_window(start_s, end_s))
+        self._windows.append(self.player.timeline.require_window(start_s, end_s))
 
     def use(self, preset: Preset) -> None:
         """Change the preset at the next poll; raise InputError if the engine can't play it."""
-        check_carrier(preset, self._player.engine.sample_rate)
+        check_carrier(preset, self.player.engine.sample_rate)
         # here an error reaches the page
-        build_surface(self._player.active_window.window_timeline, preset)
+        build_surface(self.player.active_window.window_timeline, preset)
         self._presets.append(preset)
 
     def status(self) -> dict[str, Any]:
         """Return the state of the disk for a page."""
-        player = self._player
+        player = self.player
         meters = player.engine.meters
         return {
             "cursor": round(meters.cursor, 6),
@@ -61,9 +66,9 @@ class HostSession(Input):
         if self._other is not None:
             self._other.poll(engine)
         while self._windows:
-            self._player.show(*self._windows.popleft())
+            self.player.show(*self._windows.popleft())
         if self._presets:
-            self._player.active_window.use(self._presets.popleft())
+            self.player.active_window.use(self._presets.popleft())
 
     def is_over(self, engine: Engine) -> bool:
         """Return whether the other input has ended; without one, False."""

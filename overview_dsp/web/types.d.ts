@@ -314,7 +314,7 @@ type Plain = "title" | "window" | "link" | "latency" | "moment" | "clock" | "val
   | "values-rows" | "help-title" | "keys" | "dialog-title" | "more-title" | "motor" | "share-access" | "about" | "marks" | "editor"
   | "editor-title" | "editor-differences" | "editor-difference" | "editor-difference-list" | "editor-rows" | "editor-message" | "film-title";
 type Button = "play" | "watch" | "twist" | "out" | "in" | "whole" | "settings" | "previous" | "run" | "next" | "list" | "all-values"
-  | "values-more" | "calibrate" | "share" | "learn" | "tune" | "editor-a" | "editor-b" | "editor-undo" | "editor-close"
+  | "values-more" | "calibrate" | "share" | "mark" | "learn" | "tune" | "editor-a" | "editor-b" | "editor-undo" | "editor-close"
   | "editor-save" | "editor-download";
 
 /** Elements of index.html by their id. */

@@ -52,7 +52,7 @@ class Score:
 
 @dataclass(frozen=True)
 class Progress:
-    """How far a pass has come."""
+    """Progress of a pass."""
 
     seed: int
     digest: str

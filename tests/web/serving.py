@@ -13,6 +13,7 @@ from websockets.sync.client import ClientConnection, connect
 
 from overview_dsp.live.output.settings import OutputSettings
 from overview_dsp.live.output.stream import NullStream
+from overview_dsp.live.session import commands
 from overview_dsp.live.session.player import Player
 from overview_dsp.live.session.presets import PresetWatch
 from overview_dsp.web.data import data_routes
@@ -107,8 +108,7 @@ def _polled(player, session) -> Iterator[None]:
 
     def poll():
         while not over.wait(0.02):
-            session.poll(player.engine)
-            player.poll()
+            commands.poll(player, session)
 
     thread = threading.Thread(target=poll)
     thread.start()

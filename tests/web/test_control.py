@@ -298,3 +298,17 @@ def test_a_page_that_stops_reading_is_closed(match, monkeypatch):
         with pytest.raises(ConnectionClosed):
             touch(page, 0.5, 10.0)
         server.until(lambda meters: not meters.touching)
+
+
+def test_a_page_sets_a_mark_at_the_disk(disk):
+    with disk.connect() as page:
+        move_to(disk, 0.4, (page, 0.4))
+        page.send(json.dumps({"mark": "a pass"}))
+        end = time.monotonic() + 20.0
+        while not disk.player.marks.events and time.monotonic() < end:
+            touch(page, 0.4)
+            time.sleep(0.05)
+    (mark,) = disk.player.marks.events
+    assert mark.label == "a pass"
+    position = float(disk.player.active_window.angle_map.position_of(mark.time_s))
+    assert position == pytest.approx(0.4, abs=0.05)

@@ -13,8 +13,10 @@ from hypothesis import strategies as st
 from overview_dsp.errors import InputError
 from overview_dsp.web.messages import (
     MAX_EVENTS,
+    MAX_NAME,
     MAX_TIME_MS,
     Events,
+    Mark,
     Pong,
     RemoteEvent,
     Show,
@@ -27,7 +29,7 @@ values = st.recursive(
     lambda inner: (
         st.lists(inner, max_size=4)
         | st.dictionaries(
-            st.sampled_from(["events", "pong", "time_ms", "show", "x"]), inner, max_size=3
+            st.sampled_from(["events", "pong", "time_ms", "show", "mark", "x"]), inner, max_size=3
         )
     ),
     max_leaves=12,
@@ -57,6 +59,8 @@ def is_sound(message):
         )
     if isinstance(message, Pong):
         return math.isfinite(message.host_s) and math.isfinite(message.page_s)
+    if isinstance(message, Mark):
+        return len(message.name) <= MAX_NAME and message.name.isprintable()
     return isinstance(message, Show) and math.isfinite(message.start_s + message.end_s)
 
 

@@ -64,6 +64,11 @@ export class Link {
     this.#send({ show: [startS, endS] });
   }
 
+  /** Set a mark at the disk. */
+  mark() {
+    this.#send({ mark: "" });
+  }
+
   /**
    * Send the input's name, now and after each connection.
    * @param {string} name

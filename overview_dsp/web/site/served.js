@@ -55,6 +55,10 @@ export class Served {
       if (Math.abs(cursor - page.cursor) > 1e-4) page.wake();
     };
     sound.onothers = (others) => this.showOthers(others);
+    byId("mark").addEventListener("click", () => {
+      sound.link.mark();
+      page.announcer.say("mark set");
+    });
     sound.setName(page.settings.name);
     sound.report();
   }
