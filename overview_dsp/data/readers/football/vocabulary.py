@@ -1,7 +1,7 @@
 """Words for football events in tables with a minute per row (`minute_list`), by event kind.
 
 A kind is a term (`SavedShot`, `Gelbe Karte`) or a sentence (`GOAL! Jones scores (1-0)`). Terms in
-other languages, by `words.toml`, are replaced by English ones first.
+other languages, by `words.toml`, are replaced by English ones first, which `patterns.toml` finds.
 """
 
 from __future__ import annotations
@@ -15,6 +15,11 @@ from overview_dsp.files.toml import load_toml
 
 TRANSLATIONS: dict[str, list[str]] = load_toml(__file__, "words.toml")
 """Terms in other languages by the English term, from `words.toml`."""
+
+_PATTERNS: dict[str, re.Pattern[str]] = {
+    name: re.compile("|".join(parts))
+    for name, parts in load_toml(__file__, "patterns.toml").items()
+}
 
 _ENGLISH = {word: term for term, words in TRANSLATIONS.items() for word in words}
 _WORDS = "|".join(word.replace(" ", r"[\W_]+") for word in sorted(_ENGLISH, key=len, reverse=True))
@@ -38,70 +43,12 @@ _SCORES = re.compile(
     r"|substitution|half|full|time|formation)\b)"
     r"(?:(?:[a-z]+ ){1,3}(?:scores|scored|converts)|penalty (?:scored|converted))\b(?! against)"
 )
-_NO_GOAL = re.compile(
-    r"\brefuse\b|afgekeurd|zahlt nicht|zaehlt nicht|offside|abseits|hors jeu|fuera de juego"
-    r"|fuorigioco|buitenspel|impedimento"
-)
-_CONVERTED = re.compile(r"\b(?:goal|scored|verwandelt|convertido|trasformato|transforme|benut)\b")
-_TERM = re.compile(
-    r"goals?|own|penalty|pen|cards?|yellow|red|second|2nd|1st|first|straight|fouls?|shots?|saved"
-    r"|missed|blocked|on|off|hit|the|target|post|near|miss|big|chance|corner|kick|free|half|full"
-    r"|time|start|end|whistle|final|period|substitution|offside|handball|header|normal|regular"
-    r"|scored|won|suffered|committed|conceded|direct|open|play|keeper|assist|saves?|throw|in|tackle"
-)
 _CAMEL = re.compile(r"(?<=[a-z])(?=[A-Z])")
-_GOAL = re.compile(
-    r"(?:goals?|scored|scores|g|normal goal|(?:free kick|freekick|header|headed|open play"
-    r"|long range|left foot|right foot|winning|equalising|opening|regular|field) goal"
-    r"|goal (?:scored|header|headed|free kick|open play|normal|regular|from (?:free kick|open play)"
-    r"|left foot|right foot))"
-)
-_PENALTY = re.compile(r"(?:penalty|pen|penalties|pk|p)")
-_PENALTY_NAMED = re.compile(
-    r"\b(?:penalty|pen|pk)\b(?! (?:area|box|won|conceded|committed))|\bgoal p\b"
-)
-_MISSED = re.compile(
-    r"miss|missed|saved|failed|off target|post|not scored|no goal|unconverted"
-    r"|\b(?:verschossen|gehalten|vergeben|fallado|fallo|atajado|parado|sbagliato|parato|rate|manque"
-    r"|arrete|falhado|gemist|gestopt)\b"
-)
-_OWN = re.compile(r"own goal|owngoal|\bog\b|autogoal")
-_CANCELLED = re.compile(
-    r"cancel|disallow|annul|anulad|aberkannt|overturn|ruled out|no goal|\bvar\b|overruled|rescinded"
-)
-_SECOND_YELLOW = re.compile(
-    r"second yellow|2nd yellow|yellow red|yellowred|second booking|\b2y\b|\by2c\b|\byrc\b"
-)
-_RED = re.compile(r"\bred\b|\bredcard\b|\brc\b|sent off|sending off|dismiss|straight red|expelled")
-_YELLOW = re.compile(
-    r"\byellow\b|\byellowcard\b|\byc\b|\bbooked\b|\bbooking\b|\bcaution(?:ed)?\b|first yellow"
-)
-_CARD = re.compile(r"\bcards?\b")
-_SHOT = re.compile(r"\bshots?\b|\battempts?\b|\bheader\b|\bchance\b")
-_SAVED = re.compile(
-    r"(?:shot|attempt|header|chance) saved|saved (?:shot|attempt|header|penalty)|^saved(?: by|$)"
-    r"|shots? on target|on target$|shot on goal"
-)
-_POST = re.compile(
-    r"trifft (?:nur )?(?:die |den )?(?:latte|pfosten)\b|\bpost\b|woodwork|crossbar"
-    r"|\bhit (?:the )?bar\b|frame of the goal"
-)
-_CHANCE = re.compile(r"near miss|(?:big|clear|great|good) chance|^chance (?:for|by)\b")
-_FOULED = re.compile(r"\bfouls\b|\bfoul (?:by|on)\b")
-_SUFFERED = re.compile(r"\bwon\b|suffered|drawn|received|fouled|against")
-_SHOOT_OUT = re.compile(r"shoot ?out|penalty series|kicks from the (?:penalty )?mark")
-_HALF_END = re.compile(
-    r"half ?time|^ht$|^(?:half |period )?end$|end (?:of )?(?:the )?(?:first|1st) half"
-    r"|(?:first|1st) half end"
-)
-_MATCH_END = re.compile(
-    r"full ?time|^ft$|end (?:of )?(?:the )?(?:second|2nd) half|(?:second|2nd) half end|match end"
-    r"|end (?:of )?(?:the )?match|final whistle|game end|^aet$"
-)
-_PERIOD = re.compile(
-    r"kick ?off|^periods?|period (?:start|end)|half (?:start|end|begins)|start|^end$|extra time"
-    r"|second half|first half|2nd half|1st half|whistle"
-)
+
+
+def _has(name: str, text: str) -> bool:
+    """Return whether a text has one of the patterns of this name."""
+    return _PATTERNS[name].search(text) is not None
 
 
 @functools.lru_cache(maxsize=4096)
@@ -137,7 +84,7 @@ def _is_call(found: re.Match[str] | None) -> bool:
 
 def is_sentence(text: str) -> bool:
     """Return whether the text of a kind has further words, such as names, which label the event."""
-    return not all(_TERM.fullmatch(word) for word in normalize_terms(text).split())
+    return not all(_PATTERNS["term"].fullmatch(word) for word in normalize_terms(text).split())
 
 
 @functools.lru_cache(maxsize=4096)
@@ -160,29 +107,31 @@ def meaning(kind: str, details: str, *, own: bool, penalty: bool) -> tuple[str, 
         the end of a period, "" for all other texts.
     """
     both = f"{kind} {details}".strip()
-    if _CANCELLED.search(both) and not _CARD.search(kind):
+    if _has("cancelled", both) and not _has("card", kind):
         return "", "cancelled"
-    if _SHOOT_OUT.search(both):
+    if _has("shoot_out", both):
         return "", "shoot-out"
     card = _card(kind, details)
     if card is not None:
         return card
-    is_penalty = penalty or bool(_PENALTY.fullmatch(kind) or _PENALTY_NAMED.search(both))
-    if is_penalty and _MISSED.search(both) and "own goal" not in both:
+    is_penalty = penalty or bool(
+        _PATTERNS["penalty"].fullmatch(kind) or _has("penalty_named", both)
+    )
+    if is_penalty and _has("missed", both) and "own goal" not in both:
         return "near_miss", "penalty missed" if "saved" not in both else "penalty saved"
-    is_own = own or bool(_OWN.search(both))
+    is_own = own or _has("own", both)
     if is_own or _is_goal(kind, details, is_penalty):
-        if _NO_GOAL.search(both):
+        if _has("no_goal", both):
             return "", "cancelled"
         return ("own_goal", "") if is_own else ("goal", "pen" if is_penalty else "")
-    if _POST.search(both):
+    if _has("post", both):
         return "near_miss", "on the post"
-    if _SAVED.search(kind) or (_SHOT.search(kind) and re.search(r"\bsaved\b|on target", details)):
+    if _has("saved", kind) or (_has("shot", kind) and re.search(r"\bsaved\b|on target", details)):
         return "near_miss", "saved"
-    if _CHANCE.search(both):
+    if _has("chance", both):
         return "near_miss", ""
-    if re.match(r"fouls?\b|hand ?ball|free kick conceded", kind) or _FOULED.search(kind):
-        suffered = _SUFFERED.search(both) or details == "successful"
+    if re.match(r"fouls?\b|hand ?ball|free kick conceded", kind) or _has("fouled", kind):
+        suffered = _has("suffered", both) or details == "successful"
         return ("", "suffered") if suffered else ("foul", "")
     return _period_kind(kind, both), ""
 
@@ -190,37 +139,39 @@ def meaning(kind: str, details: str, *, own: bool, penalty: bool) -> tuple[str, 
 def _card(kind: str, details: str) -> tuple[str, str] | None:
     both = f"{kind} {details}".strip()
     if not (
-        any(pattern.search(kind) for pattern in (_CARD, _RED, _YELLOW, _SECOND_YELLOW))
-        or _CARD.search(details)
+        any(_has(name, kind) for name in ("card", "red", "yellow", "second_yellow"))
+        or _has("card", details)
     ):
         return None
-    if _SECOND_YELLOW.search(both):
+    if _has("second_yellow", both):
         return "red_card", "second yellow"
-    if _RED.search(both):
+    if _has("red", both):
         return "red_card", ""
-    return ("yellow_card", "") if _YELLOW.search(both) else None
+    return ("yellow_card", "") if _has("yellow", both) else None
 
 
 def _is_goal(kind: str, details: str, is_penalty: bool) -> bool:
     if "goal kick" in kind:
         return False
     bare = " ".join(re.sub(r"\b(?:penalty|pen|pk|p|from the spot|kick)\b", " ", kind).split())
-    if _GOAL.fullmatch(bare) or _GOAL.fullmatch(kind):
+    if _PATTERNS["goal"].fullmatch(bare) or _PATTERNS["goal"].fullmatch(kind):
         return True
-    if kind.startswith("goal scored ") or (_SCORES.match(kind) and not _MISSED.search(kind)):
+    if kind.startswith("goal scored ") or (_SCORES.match(kind) and not _has("missed", kind)):
         return True
     said = details if not kind.startswith("penalty kick ") else f"{kind} {details}"
-    if is_penalty and _CONVERTED.search(said):
+    if is_penalty and _has("converted", said):
         return True
-    if is_penalty and (_PENALTY.fullmatch(kind) or bare in ("scored", "converted", "in")):
+    if is_penalty and (
+        _PATTERNS["penalty"].fullmatch(kind) or bare in ("scored", "converted", "in")
+    ):
         return True
-    return bool(_SHOT.search(kind)) and bool(re.search(r"\bgoal\b|\bscored\b", details))
+    return _has("shot", kind) and bool(re.search(r"\bgoal\b|\bscored\b", details))
 
 
 def _period_kind(kind: str, both: str) -> str:
     for text in (kind, both):
-        if _HALF_END.search(text):
+        if _has("half_end", text):
             return "half_end"
-        if _MATCH_END.search(text):
+        if _has("match_end", text):
             return "match_end"
-    return "period" if _PERIOD.search(kind) else ""
+    return "period" if _has("period", kind) else ""
