@@ -22,6 +22,7 @@ from pydantic import Field
 
 from overview_dsp.arrays import FloatArray
 from overview_dsp.errors import InputError
+from overview_dsp.files.toml import load_toml
 from overview_dsp.offline.export.ahap import sharpness_of
 from overview_dsp.offline.export.breakpoints import breakpoints
 from overview_dsp.offline.export.clip import LEVELS_PER_S, Clip, Transient
@@ -191,15 +192,9 @@ def document(clip: Clip, budget: int) -> Haptic:
     frequency = sharpness_of(clip.frequency_hz)
     pitches = [FrequencyPoint(time=time, frequency=frequency) for time in (0.0, clip.duration_s)]
     envelopes = Envelopes(amplitude=amplitude, frequency=pitches)
+    parts = load_toml(__file__, "documents.toml")["haptic"]
     return Haptic(
-        version=Version(major=1, minor=0, patch=0),
-        metadata=Metadata(
-            editor="overView DSP",
-            source="",
-            project=clip.title,
-            tags=[],
-            author="",
-            description="a gesture over a timeline, by a model of friction",
-        ),
+        version=Version(**parts["version"]),
+        metadata=Metadata(project=clip.title, **parts["metadata"]),
         signals=Signals(continuous=Continuous(envelopes=envelopes)),
     )

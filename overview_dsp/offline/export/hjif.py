@@ -29,6 +29,7 @@ from pydantic import AfterValidator, Field
 from overview_dsp.arrays import FloatArray
 from overview_dsp.errors import InputError
 from overview_dsp.files.schema import Allowed
+from overview_dsp.files.toml import load_toml
 from overview_dsp.kernels.layout import CELLS
 from overview_dsp.offline.export.ahap import sharpness_of
 from overview_dsp.offline.export.breakpoints import breakpoints
@@ -43,7 +44,7 @@ TICKS_PER_TURN = 18_000
 TRANSIENT_MS, TRANSIENT_HZ = 22, 1000.0 / 11.0
 MAX_STRIKE_MS = 30  # longest wave that is read as a strike, ms
 FRICTION_POINTS = 2000
-_LOW_HZ, _HIGH_HZ = 50, 500
+_PARTS: dict[str, dict[str, Any]] = load_toml(__file__, "documents.toml")["hjif"]
 
 _VERSIONS = r"(202[3-9]|20[3-9][0-9]|2[1-9][0-9]{2}|[3-9][0-9]{3})(-[0-9])?"
 
@@ -207,54 +208,25 @@ def document(clip: Clip, budget: int) -> Hjif:
         )
         for strike in clip.transients
     ]
-    wave: dict[str, Any] = {
-        "band_type": "VectorialWave",
-        "lower_frequency_limit": _LOW_HZ,
-        "upper_frequency_limit": _HIGH_HZ,
-    }
-    device = Device(
-        id=0,
-        name="C2 tactor",
-        type="VCA",
-        minimum_frequency=_LOW_HZ,
-        resonance_frequency=hz,
-        maximum_frequency=_HIGH_HZ,
-    )
+    device = Device(resonance_frequency=hz, **_PARTS["device"])
     channels = [
-        _channel(number, name, Band(effects=effects, **wave), device.id)
+        _channel(number, name, Band(effects=effects, **_PARTS["wave"]), device.id)
         for number, (name, effects) in enumerate((("vibration", [vibration]), ("strikes", strikes)))
         if effects
     ]
     highest = float(clip.surface.resistance.max())
+    felt = Perception(reference_devices=[device], channels=channels, **_PARTS["vibration"])
+    friction = Perception(
+        description=f"friction over the half turn; 1 is {highest:.6g} N m s/rad, a tick "
+        "0.01 degree",
+        channels=[_channel(2, "B over phi", _friction(clip, highest))],
+        **_PARTS["friction"],
+    )
     return Hjif(
-        version="2023",
-        profile="Main",
-        level=1,
         date=datetime.date.today().isoformat(),
         description=f"overView DSP: {clip.title}",
-        timescale=1000,
-        perceptions=[
-            Perception(
-                id=0,
-                avatar_id=0,
-                description="vibration of the tactor",
-                perception_modality="Vibrotactile",
-                reference_devices=[device],
-                channels=channels,
-                effect_library=[],
-            ),
-            Perception(
-                id=1,
-                avatar_id=0,
-                description=f"friction over the half turn; 1 is {highest:.6g} N m s/rad, a tick "
-                "0.01 degree",
-                perception_modality="Friction",
-                channels=[_channel(2, "B over phi", _friction(clip, highest))],
-                effect_library=[],
-            ),
-        ],
-        avatars=[],
-        syncs=[],
+        perceptions=[felt, friction],
+        **_PARTS["document"],
     )
 
 
@@ -262,11 +234,9 @@ def _channel(number: int, name: str, band: Band, device: int | None = None) -> C
     return Channel(
         id=number,
         description=name,
-        gain=1.0,
-        mixing_coefficient=1.0,
-        body_part_mask=0,  # unspecified
         reference_device_id=device,
         bands=[band],
+        **_PARTS["channel"],
     )
 
 
@@ -290,13 +260,8 @@ def _friction(clip: Clip, highest: float) -> Band:
     places = breakpoints(curve / curve.min(), FRICTION_POINTS).tolist()
     if len(places) == 2:  # the reference reader plays curves of two points as silence
         places.insert(1, TICKS_PER_TURN // 2)
-    return Band(
-        band_type="Curve",
-        curve_type="Linear",
-        lower_frequency_limit=0,
-        upper_frequency_limit=_HIGH_HZ,
-        effects=[_wave(0, [(place, round(float(curve[place]), 6)) for place in places])],
-    )
+    wave = _wave(0, [(place, round(float(curve[place]), 6)) for place in places])
+    return Band(effects=[wave], **_PARTS["curve"])
 
 
 Wave = tuple[int, FloatArray, float, float]
