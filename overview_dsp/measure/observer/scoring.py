@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp.arrays import FloatArray, IntArray
+from overview_dsp.files.toml import load_toml
 from overview_dsp.measure.observer.features import RHYTHM_MS
 
 NOTHING = "nothing"
@@ -174,20 +175,7 @@ class Tally:
         return ObserverScores(self.kinds, self.confusion, self.reports, self.right, draws)
 
 
-GROUPS = {
-    "goal": "goal",
-    "own_goal": "goal",
-    "yellow_card": "card",
-    "red_card": "card",
-    "highest": "extreme",
-    "lowest": "extreme",
-    "largest_rise": "move",
-    "record_high": "record",
-    "premature": "early beat",
-    "premature_ventricular": "early beat",
-    "missed_beat": "missed beat",
-    "flutter": "flutter",
-}
+GROUPS: dict[str, str] = load_toml(__file__, "groups.toml")
 """Group of each kind, for scores that do not distinguish the kinds of a group."""
 
 MINOR = "minor"  # group of all other kinds

@@ -30,6 +30,7 @@ from pydantic_core import PydanticCustomError
 from overview_dsp.arrays import FloatArray
 from overview_dsp.errors import InputError
 from overview_dsp.files.schema import Allowed
+from overview_dsp.files.toml import load_toml
 from overview_dsp.offline.export.breakpoints import breakpoints
 from overview_dsp.offline.export.clip import LEVELS_PER_S, Clip, Transient
 from overview_dsp.offline.export.document import CHECKING, MAX_ENTRIES, Part, Seconds, descending
@@ -41,16 +42,7 @@ _TOLERANCE_S = 0.0015
 
 INTENSITY, SHARPNESS, CONTROL = "HapticIntensity", "HapticSharpness", "HapticIntensityControl"
 TRANSIENT, CONTINUOUS, WAVEFORM = "HapticTransient", "HapticContinuous", "AudioCustom"
-_EVENT_IDS = (
-    *(INTENSITY, SHARPNESS, "AttackTime", "DecayTime", "ReleaseTime", "Sustained"),
-    *("AudioVolume", "AudioPitch", "AudioPan", "AudioBrightness"),
-)
-_CONTROL_IDS = (
-    *(CONTROL, "HapticSharpnessControl", "HapticAttackTimeControl"),
-    *("HapticDecayTimeControl", "HapticReleaseTimeControl", "AudioVolumeControl"),
-    *("AudioPanControl", "AudioBrightnessControl", "AudioPitchControl"),
-    *("AudioAttackTimeControl", "AudioDecayTimeControl", "AudioReleaseTimeControl"),
-)
+_NAMES: dict[str, list[str]] = load_toml(__file__, "documents.toml")["ahap"]
 _WAVEFORM_KEYS = ("EventWaveformPath", "EventWaveformLoopEnabled", "EventWaveformUseVolumeEnvelope")
 _FROM_ZERO = (INTENSITY, SHARPNESS, CONTROL, "Sustained", "AudioVolume")
 
@@ -81,14 +73,14 @@ def _in_range(value: float, info: ValidationInfo) -> float:
     return value
 
 
-ControlId = Annotated[str, _known(*_CONTROL_IDS)]
+ControlId = Annotated[str, _known(*_NAMES["curve_parameters"])]
 Value = Annotated[float, AfterValidator(_in_range)]
 
 
 class EventParameter(Part):
     """Parameter of an event."""
 
-    ParameterID: Annotated[str, _known(*_EVENT_IDS)]
+    ParameterID: Annotated[str, _known(*_NAMES["event_parameters"])]
     ParameterValue: Value
 
 
