@@ -319,6 +319,16 @@ def test_going_from_event_to_event_takes_the_window_along(make):
     assert player.time_at(player.pointer.position) < goals[1]
 
 
+def test_zooming_out_gives_back_the_timeline_without_ticks(make):
+    player = make()
+    before, whole = player.engine.timeline, player.timeline.duration_s
+    for start, end in ((0.0, 600.0), (0.0, whole)):
+        player.show(start, end)
+        wait(player, lambda status, end=end: player.window == (0.0, end))
+        assert ("minute" in player.engine.timeline.kinds()) == (end < whole)
+    assert player.engine.timeline == before
+
+
 def test_what_a_person_should_know_of_a_zoom_is_reported(make):
     from dataclasses import replace
 

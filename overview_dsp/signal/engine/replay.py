@@ -5,7 +5,7 @@ An update of a surface that is being touched changes only the part ahead of the 
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -41,7 +41,7 @@ def apply_change(
         elif "timeline" in what:
             grown = apply_diff(whole, what["timeline"])
             window = what["timeline"].get("window")
-            shown = grown if window is None else grown.window(*window)
+            shown = shown_part(grown, window)
             cursor = what["timeline"].get("ahead")
             surface, before = None, engine.surface
             if cursor is not None or what["timeline"].get("keeps_map"):
@@ -54,12 +54,19 @@ def apply_change(
             return grown
         else:
             start, end = what["window"]
-            engine.set_timeline(whole.window(start, end), sample_time, (start, end))
+            engine.set_timeline(shown_part(whole, (start, end)), sample_time, (start, end))
     except InputError:
         raise
     except (KeyError, TypeError, ValueError, AttributeError) as error:
         raise InputError(f"not a recorded change: {str(dict(what))[:80]} ({error})") from None
     return whole
+
+
+def shown_part(whole: Timeline, window: Sequence[float] | None) -> Timeline:
+    """Return a window (s); None or a window of everything is the timeline without more ticks."""
+    if window is None or tuple(window) == (0.0, whole.duration_s):
+        return whole
+    return whole.window(*window)
 
 
 def set_pattern(engine: Engine, change: Mapping[str, Any], sample_time: int | None = None) -> None:
