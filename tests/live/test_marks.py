@@ -204,3 +204,25 @@ def test_osc_and_midi_set_marks():
         assert found[2] == []
     with pytest.raises(InputError, match="does not apply to a mark"):
         parse_map('schema = 1\n[[control]]\ncontrol = "cc 1"\nto = "mark"\nlow = 0.5\n', "map")
+
+
+def test_a_mark_beyond_the_present_or_during_an_announcement_is_refused(monkeypatch, tmp_path):
+    live = ov.LiveTimeline("Home - Away", expected_duration_s=5700.0)
+    live.append(events=[event(300, "goal")], clock_s=2000.0)
+    session = Session(live, monkeypatch, marks=MarksFile(tmp_path / "b.json"))
+    session.player.touch(0.8)
+    session.run(2.0)
+    cursor = session.player.engine.meters.cursor
+    session.player.queue_command("mark")
+    session.run(0.5)
+    assert cursor > 0.4
+    session.player.release()
+    session.run(3.0)
+    assert not session.player.marks.events
+    live.append(events=[event(2001, "goal")], clock_s=2002.0)
+    session.run(0.1)
+    session.player.queue_command("mark")
+    session.run(0.1)
+    assert any("being announced" in line for line in session.messages), session.messages
+    assert not session.player.marks.events
+    session.player.close()

@@ -73,8 +73,13 @@ class Marks:
         return replace(timeline, events=(*timeline.events, *marks))
 
     def set(self, name: str) -> None:
-        """Set a mark at the disk's position; InputError if it has one with this name."""
+        """Set a mark at the disk's position; InputError where none can be."""
+        if self._session.engine.timeline is not self._window.window_timeline:
+            raise InputError("a new event is being announced; set the mark after it")
         time_s = self._window.time_at(self._session.engine.meters.cursor)
+        known_s = self._window.timeline.known_until_s
+        if known_s is not None and time_s > known_s:
+            raise InputError(f"the disk is beyond the present, {clock_text(known_s)}; move it back")
         event = Event(round(time_s, 3), MARK, name)
         if event in self.events:
             raise InputError(f"there is a mark at {clock_text(event.time_s)}")
