@@ -83,7 +83,9 @@ class Marks:
         event = Event(round(time_s, 3), MARK, name)
         if event in self.events:
             raise InputError(f"there is a mark at {clock_text(event.time_s)}")
-        self._change([*self.events, event], f"mark at {clock_text(event.time_s)}")
+        self._change(
+            [*self.events, event], f"{MARK} {name}".strip() + f" at {clock_text(event.time_s)}"
+        )
 
     def undo(self) -> None:
         """Remove the newest mark; InputError without marks."""
