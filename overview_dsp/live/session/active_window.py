@@ -18,7 +18,7 @@ from overview_dsp.design.presets.model import Preset
 from overview_dsp.errors import InputError, OverviewError, OverviewWarning
 from overview_dsp.live.session.presets import PresetPair
 from overview_dsp.live.session.session import Session
-from overview_dsp.signal.engine.replay import apply_change, join_surfaces, shown_part
+from overview_dsp.signal.engine.replay import apply_change, join_surfaces, part_of
 from overview_dsp.signal.surface.angle_map import SHARE, AngleMap
 from overview_dsp.signal.surface.build import build_surface
 
@@ -145,7 +145,7 @@ class ActiveWindow:
         return float(self._map_of(zoom).position_of(time_s - zoom.start_s))
 
     def _map_of(self, zoom: Zoom) -> AngleMap:
-        return AngleMap.of(shown_part(self.timeline, zoom.window), self._engine.preset)
+        return AngleMap.of(part_of(self.timeline, zoom.window), self._engine.preset)
 
     def show(self, start_s: float, end_s: float) -> None:
         """Request a window; InputError if it isn't part of the timeline."""
@@ -199,7 +199,7 @@ class ActiveWindow:
 
     def apply_window(self, window: tuple[float, float], sample: int | None = None) -> None:
         """Set the engine's window at a sample (None: soon); errors as `Engine.set_timeline`."""
-        timeline = shown_part(self.timeline, window)
+        timeline = part_of(self.timeline, window)
         self._engine.set_timeline(timeline, sample, window)
         self.set_current(timeline, window)
 

@@ -41,7 +41,7 @@ def apply_change(
         elif "timeline" in what:
             grown = apply_diff(whole, what["timeline"])
             window = what["timeline"].get("window")
-            shown = shown_part(grown, window)
+            shown = part_of(grown, window)
             cursor = what["timeline"].get("ahead")
             surface, before = None, engine.surface
             if cursor is not None or what["timeline"].get("keeps_map"):
@@ -54,7 +54,7 @@ def apply_change(
             return grown
         else:
             start, end = what["window"]
-            engine.set_timeline(shown_part(whole, (start, end)), sample_time, (start, end))
+            engine.set_timeline(part_of(whole, (start, end)), sample_time, (start, end))
     except InputError:
         raise
     except (KeyError, TypeError, ValueError, AttributeError) as error:
@@ -62,7 +62,7 @@ def apply_change(
     return whole
 
 
-def shown_part(whole: Timeline, window: Sequence[float] | None) -> Timeline:
+def part_of(whole: Timeline, window: Sequence[float] | None) -> Timeline:
     """Return a window (s); None or a window of everything is the timeline without more ticks."""
     if window is None or tuple(window) == (0.0, whole.duration_s):
         return whole
