@@ -41,7 +41,7 @@ def learn(name: str, target: str, *, learning: Learning) -> None:
     from overview_dsp.devices.controllers.learning import Learner
     from overview_dsp.live.ports.midi import MidiPort
 
-    require_target(target, (THETA2, TAPS, *SWITCHES))
+    require_target(target, (THETA2, *SWITCHES, TAPS))
     stand_in = Control("keys", *KEYS) if target == TAPS else Control("cc", 1)
     wanted = replace(stand_in, to=target, low=learning.low, high=learning.high)
     parse_map(write_map((wanted,)), target)  # checks the range

@@ -38,7 +38,7 @@ def learn(port: str, target: str, *, learning: Learning) -> None:
     from overview_dsp.devices.controllers.learning import DEVICE, OscLearner
     from overview_dsp.live.ports.osc import OscPort
 
-    require_target(target, (THETA2, DEVICE, *SWITCHES))
+    require_target(target, (THETA2, *SWITCHES, DEVICE))
     to = "acceleration" if target == DEVICE else target
     parse_osc_map(write_map((OscControl("/x", to, low=learning.low, high=learning.high),)), target)
     learner = OscLearner(target)
