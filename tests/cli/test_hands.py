@@ -59,7 +59,8 @@ def test_an_invalid_input_option_gives_a_one_line_error(arguments, words):
 
 
 @pytest.mark.parametrize(
-    ("learner", "known"), [("osc", "theta2, touch, mark, device"), ("midi", "theta2, touch, mark, taps")]
+    ("learner", "known"),
+    [("osc", "theta2, touch, mark, device"), ("midi", "theta2, touch, mark, taps")],
 )
 def test_what_cannot_be_learned_gives_a_one_line_error_with_what_can(tmp_path, learner, known):
     words = refused(overview(learner, "learn", "9000", "tactor.gian_db", "-o", tmp_path / "a.toml"))

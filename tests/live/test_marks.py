@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 import overview_dsp as ov
+from overview_dsp.cli.options.follow import _marks_path
 from overview_dsp.devices.controllers.control_map import parse_map
 from overview_dsp.devices.controllers.control_messages import Command
 from overview_dsp.devices.controllers.midi_messages import MidiReader
@@ -182,6 +185,19 @@ def test_new_data_of_a_live_timeline_keep_the_marks(open_session, monkeypatch, t
     assert marks_of(session) == [mark]
     assert "foul" in {one.kind for one in session.window_timeline.events}
     session.player.close()
+
+
+@pytest.mark.parametrize(
+    ("source", "name"),
+    [
+        ("world-cup-final-2018", "world-cup-final-2018.marks.json"),
+        ("https://example.org/v1/fixtures?id=7&key=secret", "fixtures.marks.json"),
+        ("-", "live.marks.json"),
+        ("https://example.org/", "live.marks.json"),
+    ],
+)
+def test_marks_of_what_is_no_file_are_kept_in_the_current_folder(source, name):
+    assert _marks_path(source) == Path(name)
 
 
 def test_osc_and_midi_set_marks():

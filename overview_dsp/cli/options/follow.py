@@ -160,5 +160,6 @@ def _marks_path(source: str) -> Path:
     path = Path(source)
     if path.is_file():
         return path.with_name(f"{path.name}.marks.json")
-    name = re.sub(r"[^A-Za-z0-9._-]+", "-", source.rpartition("/")[2]).strip("-.")
+    last = source.partition("?")[0].rpartition("/")[2]  # a query may contain a key
+    name = re.sub(r"[^A-Za-z0-9._-]+", "-", last).strip("-.")
     return Path(f"{name or 'live'}.marks.json")
