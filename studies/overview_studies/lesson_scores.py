@@ -10,6 +10,7 @@ from collections import Counter
 from collections.abc import Callable
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import platformdirs
 from pydantic import TypeAdapter, ValidationError
@@ -205,9 +206,10 @@ class Attempt:
         return InputError(f"{self._path}: {where}: {fault}; correct or delete it")
 
     def _write(self) -> None:
+        entry: dict[str, Any] = {"scores": [asdict(one) for one in self.scores]}
         if self.score is None:
-            entry = _Entry(self.scores, self._progress)
+            entry["progress"] = asdict(self._progress)
         else:
-            entry = _Entry((*self.scores, self.score))
+            entry["scores"].append(asdict(self.score))
         # read again, since another lesson may have changed the file
-        write_table(self._path, {**self._table(), self._name: asdict(entry)})
+        write_table(self._path, {**self._table(), self._name: entry})
