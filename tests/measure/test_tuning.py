@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import overview_dsp as ov
-from overview_dsp.design.gestures import sweep
+from overview_dsp.design.gestures import sweep, tap
 from overview_dsp.design.presets.text_update import save_updated
 from overview_dsp.measure import tuning
 from overview_dsp.measure.pictures import pages
@@ -53,6 +53,8 @@ def test_separated_kinds_are_all_distinct():
 def test_a_search_gives_the_same_preset_for_a_seed(monkeypatch, apart):
     for name in ("TRIES", "TRIES_APART"):
         monkeypatch.setattr(tuning, name, 6)  # however far it comes
+    for name in ("SEARCHED", "JUDGED"):  # a seed is independent of the gestures
+        monkeypatch.setattr(tuning, name, {"1 s": sweep(1.0), "a tap": tap(1.0, 3.0)})
     preset = preset_of(a=20.0, d=20.0)
     one, again, other = (tune(preset, ("a", "d"), None, apart, seed).preset for seed in (1, 1, 2))
     assert one.kinds == again.kinds != preset.kinds
