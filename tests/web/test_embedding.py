@@ -68,13 +68,16 @@ def article(chromium, site, tmp_path):
 
 def frame_of(page, number=0):
     """Return the frame of an element once its page is ready."""
+    from playwright.sync_api import Error
+
     page.locator("iframe").nth(number).scroll_into_view_if_needed()
     for _ in range(round(PATIENCE_S / 0.05)):
         frames = page.frames[1:]
-        if len(frames) > number and frames[number].evaluate(
-            "() => Boolean(window.overview?.view && overview.sound.ready)"
-        ):
-            return frames[number]
+        with contextlib.suppress(Error):  # the frame changes from an empty page to its own
+            if len(frames) > number and frames[number].evaluate(
+                "() => Boolean(window.overview?.view && overview.sound.ready)"
+            ):
+                return frames[number]
         page.wait_for_timeout(50)
     raise AssertionError("the embedded page is not ready")
 
@@ -127,10 +130,9 @@ def test_title_language_colours_and_place_are_attributes(article):
 
 
 def test_a_timeline_below_the_screen_loads_when_it_comes_near(article):
-    page = article(PLAIN, *("<p>more</p>",) * 12, PLAIN)
+    page = article(PLAIN, *("<p>more</p>",) * 400, PLAIN)
     frame_of(page)
-    second = page.frames[2].evaluate("() => Boolean(window.overview)")
-    assert not second
+    assert page.frames[2].url in ("", "about:blank")
     frame_of(page, 1)
 
 
