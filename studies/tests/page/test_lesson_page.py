@@ -190,8 +190,9 @@ def test_the_page_of_a_timeline_has_the_lesson_under_more(chromium, tmp_path):
         served("serve", "world-cup-final-2018", **data) as url,
         page_at(chromium, url) as (page, wrong),
     ):
+        # until then its buttons do nothing
+        page.wait_for_selector("#learn:not([hidden])", state="attached")
         page.click("#settings")
-        page.wait_for_selector("#learn:not([hidden])")
         page.click("#learn")
         reader = Reader(page)
         reader.until(lambda: reader.heading() == "Learn what it feels like", "the lesson")
