@@ -91,7 +91,9 @@ def understood(line: str) -> None:
 
 def parsed(words: list[str]) -> None:
     """Parse a command's options and arguments without running it."""
-    command, context = app, click.Context(app, info_name="overview")
+    command = app
+    # with the names of the option for help, which a command keeps from its first context
+    context = click.Context(app, info_name="overview", **app.context_settings)
     while isinstance(command, click.Group):
         name, words = words[0], words[1:]
         found = command.get_command(context, name)
