@@ -9,12 +9,15 @@ import pytest
 
 import overview_dsp as ov
 from overview_dsp.cli.options.follow import _marks_path
+from overview_dsp.data.feeds.timeline_diff import apply_diff, timeline_diff
+from overview_dsp.data.timeline.model import with_marks
 from overview_dsp.devices.controllers.control_map import parse_map
 from overview_dsp.devices.controllers.control_messages import Command
 from overview_dsp.devices.controllers.midi_messages import MidiReader
 from overview_dsp.devices.controllers.osc_messages import OscReader, encode_message
 from overview_dsp.errors import InputError
 from overview_dsp.live.session.marks import MarksFile
+from overview_dsp.signal.surface.angle_map import AngleMap
 from tests.live.stepped_session import BLOCK, RATE, Session, event
 
 
@@ -167,7 +170,7 @@ def test_a_take_has_its_marks_and_renders_what_was_felt(
     kept = {
         one["label"]
         for change in gesture.changes
-        for one in change.what.get("timeline", {}).get("new", ())
+        for one in change.what.get("timeline", {}).get("marks", ())
     }
     assert kept == ({"during"} if start == "first sample" else {"earlier", "during"})
 
@@ -185,6 +188,42 @@ def test_new_data_of_a_live_timeline_keep_the_marks(open_session, monkeypatch, t
     assert marks_of(session) == [mark]
     assert "foul" in {one.kind for one in session.window_timeline.events}
     session.player.close()
+
+
+def test_in_no_window_a_mark_takes_the_room_of_another_event_or_moves_it(match, football):
+    rng = np.random.default_rng(0)
+    curve = ov.Intensity(86_400.0 * np.arange(3000), 100.0 + np.cumsum(rng.normal(size=3000)))
+    series = ov.Timeline("a share", 3000 * 86_400.0, (event(0, "period"),), curve)
+    for whole in (match, series, match.window(1000.0, 3000.0)):
+        marked = with_marks(whole, [event(whole.duration_s * part, "mark") for part in (0.5, 0.52)])
+        assert apply_diff(whole, timeline_diff(whole, marked)) == marked
+        for share in (1.0, 0.3, 0.1, 0.03):
+            start, end = whole.duration_s * np.array([0.5 - share / 2.0, 0.5 + share / 2.0])
+            plain, shown = whole.window(start, end), marked.window(start, end)
+            others = [one.kind != "mark" for one in shown.events]
+            assert tuple(np.compress(others, np.array(shown.events, object))) == plain.events
+            assert not all(others)
+            before, after = (AngleMap.of(one, football) for one in (plain, shown))
+            np.testing.assert_array_equal(after.events[others], before.events)
+
+
+def test_a_zoomed_session_of_a_window_with_a_mark_plays_what_its_take_renders(
+    open_session, match, tmp_path, monkeypatch
+):
+    monkeypatch.chdir(tmp_path)
+    part = match.window(1000.0, 3000.0)
+    session = open_session(timeline=part, record=tmp_path / "take.csv")
+    set_mark(session, 0.5)
+    session.player.show(500.0, 1500.0)
+    session.run(1.0)
+    session.player.touch(0.8)
+    session.run(1.0)
+    session.player.queue_command("record", "0")
+    session.run(0.1)
+    gesture = ov.load_gesture(session.player.takes.ended[-1])
+    made = ov.render(part, ov.load_preset("football"), gesture, RATE, tail="none")
+    count = len(made.samples) // BLOCK * BLOCK
+    np.testing.assert_array_equal(made.samples[:count], session.samples[:count])
 
 
 @pytest.mark.parametrize(

@@ -8,6 +8,7 @@
      "curve": null | "excitement" | {"keep": n, "time_s": [...], "value": [...], "unit": ...,
                                      "percentiles": [...]}}
 
+A change of the marks of the user alone is `{"marks": [event]}`, all marks after it.
 `gone` and `new` list the removed and the added events. `excitement` is the curve that is derived
 from the events, and `keep` the number of unchanged points at the start of the curve. A timeline
 that these fields cannot describe, such as one with window events, is stored in full in the native
@@ -31,9 +32,9 @@ import numpy as np
 from overview_dsp.data.analysis.crowd_excitement import derive_intensity
 from overview_dsp.data.feeds.feed_lines import event_object, event_of
 from overview_dsp.data.readers import native
-from overview_dsp.data.timeline.event import Event
+from overview_dsp.data.timeline.event import MARK, Event
 from overview_dsp.data.timeline.intensity import Intensity
-from overview_dsp.data.timeline.model import Timeline
+from overview_dsp.data.timeline.model import Timeline, with_marks
 from overview_dsp.errors import InputError, quoted
 
 EXCITEMENT = "excitement"
@@ -46,6 +47,11 @@ def timeline_diff(old: Timeline, new: Timeline) -> dict[str, Any]:
 
     InputError for a curve with too many points.
     """
+    marks = [event for event in new.events if event.kind == MARK]
+    if marks != [event for event in old.events if event.kind == MARK] and (
+        with_marks(old, marks) == new
+    ):
+        return {"marks": [event_object(event) for event in marks]}
     if new.rules is None and old.rules is None and old.signal is new.signal:
         parts = _parts(old, new)
         if apply_diff(old, parts) == new:
@@ -58,6 +64,8 @@ def apply_diff(old: Timeline, change: Mapping[str, Any]) -> Timeline:
     try:
         if "whole" in change:
             return native.decode(change["whole"])
+        if "marks" in change:
+            return with_marks(old, [event_of(mark) for mark in change["marks"]])
         fields: dict[str, Any] = {name: change[name] for name in _SCALAR_FIELDS if name in change}
         if "until_s" in change:  # the key in takes of version 0.1
             fields["known_until_s"] = change["until_s"]

@@ -7,7 +7,8 @@ from __future__ import annotations
 
 from bisect import bisect_left
 from collections import Counter
-from dataclasses import dataclass, field
+from collections.abc import Iterable
+from dataclasses import dataclass, field, fields
 from datetime import datetime, timedelta
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal
@@ -17,7 +18,7 @@ from numpy.typing import ArrayLike
 
 from overview_dsp import validation
 from overview_dsp.arrays import BoolArray, FloatArray, IntArray
-from overview_dsp.data.timeline.event import Event, cut_events, sorted_events
+from overview_dsp.data.timeline.event import MARK, Event, cut_events, sorted_events
 from overview_dsp.data.timeline.gaps import cut_gaps, cut_until, in_gap, sorted_gaps, sorted_reasons
 from overview_dsp.data.timeline.intensity import EXTREMES, LONG, Intensity
 from overview_dsp.data.timeline.notebook import timeline_page
@@ -353,6 +354,11 @@ class Timeline:
         50.0
         """
         start, end = self.require_window(start_s, end_s)
+        marks = tuple(event for event in self.events if event.kind == MARK)
+        if marks and (len(marks) < len(self.events) or self.intensity is not None):
+            # they take no room from other events
+            window = with_marks(self, ()).window(start, end)
+            return with_marks(window, cut_events(marks, start, end))
         own_events = cut_events(self._own_events, start, end)
         details = cut_events(self.details, start, end)
         first = bisect_left(self.details, start, key=lambda event: event.time_s)
@@ -545,3 +551,23 @@ class Timeline:
         if self.gaps:
             parts.append(counted(len(self.gaps), "gap"))
         return f"<Timeline {short(self.title)}: {', '.join(parts)}>"
+
+
+def with_marks(timeline: Timeline, marks: Iterable[Event]) -> Timeline:
+    """Return a timeline with other marks; a window keeps what it knows of its timeline.
+
+    InputError for a mark after the end.
+    """
+    marks = tuple(marks)
+
+    def marked(events: tuple[Event, ...]) -> tuple[Event, ...]:
+        others = (event for event in events if event.kind != MARK)
+        return sorted_events((*others, *marks), timeline.duration_s)
+
+    names = [*(one.name for one in fields(timeline)), "_ranks", "_from_s", "_halves"]
+    values = {name: getattr(timeline, name) for name in names}
+    changed = object.__new__(Timeline)  # without validating again
+    changed.__dict__.update(
+        values, events=marked(timeline.events), _own_events=marked(timeline._own_events)
+    )
+    return changed

@@ -17,6 +17,7 @@ from typing import Any
 from overview_dsp.data.feeds.feed_lines import event_object, event_of
 from overview_dsp.data.timeline import Event, Timeline
 from overview_dsp.data.timeline.event import MARK
+from overview_dsp.data.timeline.model import with_marks
 from overview_dsp.errors import InputError
 from overview_dsp.files.json_table import read_table, write_table
 from overview_dsp.live.session.active_window import ActiveWindow
@@ -68,9 +69,8 @@ class Marks:
 
     def _with_marks(self, timeline: Timeline) -> Timeline:
         marks = [event for event in self.events if event.time_s <= timeline.duration_s]
-        if not marks:
-            return timeline
-        return replace(timeline, events=(*timeline.events, *marks))
+        own = [event for event in timeline.events if event.kind == MARK]
+        return with_marks(timeline, (*own, *marks)) if marks else timeline
 
     def set(self, name: str) -> None:
         """Set a mark at the disk's position; InputError where none can be."""
