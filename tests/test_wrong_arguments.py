@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.signal import bilinear, lfilter
 
 import overview_dsp as ov
 
@@ -38,6 +39,8 @@ def right() -> dict[str, tuple[Any, dict[str, Any]]]:
     report = ov.measure.feel_report(football, match, {"fast": ov.sweep(0.3)}, 8000, recoils=False)
     kind = report.strokes[0].kinds[0]
     c2 = ov.load_actuator("c2")
+    sweep = ov.actuators.log_sweep(50, 1000, 1, level_db=-9, sample_rate=8000)
+    moved = lfilter(*bilinear([1.0, 0.0, 0.0], [1.0, 150.0, 1.44e6], 8000), sweep)
     engine = ov.Engine(football, match)
     engine.prepare(8000, 256)
     two = np.arange(2.0)
@@ -170,6 +173,16 @@ def right() -> dict[str, tuple[Any, dict[str, Any]]]:
         "log_sweep": (
             ov.actuators.log_sweep,
             {"low_hz": 100, "high_hz": 400, "seconds": 1, "level_db": -20, "sample_rate": 8000},
+        ),
+        "fit_resonance": (
+            ov.actuators.fit_resonance,
+            {
+                "recording": moved,
+                "sample_rate": 8000,
+                "low_hz": 50,
+                "high_hz": 1000,
+                "seconds": 1,
+            },
         ),
         "export": (
             ov.export.export,

@@ -3,12 +3,13 @@
 python tools/draw_actuator.py [FOLDER]
 
 The signal is a tone at the resonance for 60 ms. Scipy computes the motion from the profile's
-resonance.
+resonance, which is taken as measured.
 """
 
 from __future__ import annotations
 
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -61,7 +62,10 @@ def drawn(actuator: ov.Actuator) -> Figure:
 
 def main() -> None:
     folder = Path(sys.argv[1]) if len(sys.argv) > 1 else FOLDER
-    for path in save_figure(drawn(ov.load_actuator("c2")), folder / "actuator"):
+    c2 = ov.load_actuator("c2")
+    known = {"resonance.tolerance_percent": 0.2, "shaping.overdrive": 4.0}
+    measured = replace(c2, values={**c2.values, **known})
+    for path in save_figure(drawn(measured), folder / "actuator"):
         if path.suffix != ".png":
             path.unlink()
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -126,8 +127,10 @@ def test_a_sweep_is_written_within_the_rating_and_a_note_says_if_it_is_uneven(fo
 
 
 def test_a_shaped_sweep_is_what_presets_are_driven_with(folder):
+    c2 = Path(load_actuator("c2").source).read_text().replace("overdrive = 1", "overdrive = 4")
+    Path("my.toml").write_text(c2.replace("rise_ms = 33", "rise_ms = 33\ntolerance_percent = 0.5"))
     plain, shaped = (
-        overview("actuators", "sweep", "c2", "--duration", 2, "-o", name, *option).code
+        overview("actuators", "sweep", "my.toml", "--duration", 2, "-o", name, *option).code
         for name, option in (("a.wav", ()), ("b.wav", ("--apply-shaping",)))
     )
     assert plain == shaped == 0

@@ -9,12 +9,12 @@ from typing import Any
 import click
 
 from overview_dsp.cli.actuators.calibrate import calibrate
-from overview_dsp.cli.actuators.sweep import sweep
+from overview_dsp.cli.actuators.sweep import measure, sweep
 from overview_dsp.cli.common import list_profiles
 from overview_dsp.cli.common import show as show_report
 from overview_dsp.cli.options.declaring import JSON, cli_command
 from overview_dsp.files.toml import read_text
-from overview_dsp.signal.actuators.model import ACTUATOR_PARAMETERS, LOWEST_Q, Actuator
+from overview_dsp.signal.actuators.model import ACTUATOR_PARAMETERS, Actuator
 from overview_dsp.units import gain_to_db
 
 
@@ -55,6 +55,7 @@ def show(name: str, *, as_json: bool = JSON) -> None:
 
 
 command.add_command(sweep)
+command.add_command(measure)
 command.add_command(calibrate)
 
 
@@ -63,7 +64,6 @@ _IN_DRIVE_UNITS = ("drive.rated_rms", "drive.peak", "drive.full_scale")
 
 def describe_json(actuator: Actuator) -> dict[str, Any]:
     """Return all values by id and the derived quantities; levels in dBFS."""
-    sharpened = max(LOWEST_Q, actuator.q / actuator.number("shaping.overdrive"))
     return {
         "name": actuator.name,
         "title": actuator.title,
@@ -72,7 +72,9 @@ def describe_json(actuator: Actuator) -> dict[str, Any]:
         "values": dict(actuator.values),
         "q": round(actuator.q, 3),
         "rise_ms": round(actuator.rise_ms, 3),
-        "overdriven_rise_ms": round(actuator.rise_ms * min(1.0, sharpened / actuator.q), 3),
+        "overdriven_rise_ms": round(
+            actuator.rise_ms * min(1.0, actuator.overdrive_q / actuator.q), 3
+        ),
         "peak_dbfs": round(gain_to_db(actuator.peak), 2),
         "nominal_dbfs": round(gain_to_db(actuator.nominal), 2),
         "rms_limit_dbfs": round(0.5 * gain_to_db(actuator.mean_square), 2),

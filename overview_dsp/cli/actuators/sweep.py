@@ -1,11 +1,24 @@
-"""The command `overview actuators sweep`."""
+"""The commands `overview actuators sweep` and `overview actuators measure`."""
 
 from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
 
 import overview_dsp as ov
 from overview_dsp.cli.common import announce_compile, note, show
 from overview_dsp.cli.options.declaring import JSON, cli_command, option
+from overview_dsp.errors import InputError
 
+if TYPE_CHECKING:
+    from overview_dsp.arrays import FloatArray
+
+LOW_FREQUENCY = option("Lowest frequency of the sweep, Hz.", default=20.0)
+HIGH_FREQUENCY = option("Highest frequency of the sweep, Hz.", default=1000.0)
+DURATION = option("Duration of the sweep, s.", default=20.0)
+CLIPPED = 0.999  # sample that counts as clipped, relative to full scale
 UNEVEN_DB = 0.1  # gain reduction by the protection that causes a note, dB
 
 
@@ -14,16 +27,16 @@ def sweep(
     name: str,
     *,
     output: str = option("Sound file; the suffix selects the format.", default="sweep.wav"),
-    low_frequency: float = option("Lowest frequency, Hz.", default=20.0),
-    high_frequency: float = option("Highest frequency, Hz.", default=1000.0),
-    duration: float = option("Duration, s.", default=20.0),
+    low_frequency: float = LOW_FREQUENCY,
+    high_frequency: float = HIGH_FREQUENCY,
+    duration: float = DURATION,
     level: float = option("Level, dB of the full tactor signal, -80 to 0.", default=-9.0),
     apply_shaping: bool = option("Apply the shaping of the actuator, as for presets."),
     sample_rate: float = option("Sample rate, Hz.", default=48_000.0),
     subtype: str | None = option("Sample format: PCM_16, PCM_24, FLOAT, ..."),
     as_json: bool = JSON,
 ) -> None:
-    """Write a sine sweep within the rating of the actuator NAME, to measure the actuator.
+    """Write a sine sweep within the rating of the actuator NAME, for `actuators measure`.
 
     The left channel is silent. The right one drives the actuator evenly at all frequencies.
     """
@@ -63,3 +76,75 @@ def sweep(
         f"the full signal of {actuator.title}, in the right channel"
     )
     show(as_json, report, line)
+
+
+@cli_command("actuators measure c2 recording.wav -o my-c2.toml")
+def measure(
+    name: str,
+    recording: str,
+    *,
+    output: str | None = option("Profile to write (.toml).  [default: NAME-measured.toml]"),
+    quantity: str = option(
+        "What the sensor measures; a microphone close to the actuator measures acceleration.",
+        type=click.Choice(("acceleration", "velocity", "displacement")),
+        default="acceleration",
+    ),
+    input_channel: int = option(
+        "Channel of the recording, from 1.", type=click.IntRange(1), default=1
+    ),
+    low_frequency: float = LOW_FREQUENCY,
+    high_frequency: float = HIGH_FREQUENCY,
+    duration: float = DURATION,
+    as_json: bool = JSON,
+) -> None:
+    """Measure the resonance of the actuator NAME from a RECORDING of its sweep.
+
+    Play the file of `actuators sweep` to the actuator and record it whole with a microphone or an
+    accelerometer. The new profile has the measured resonance and the other values of NAME.
+    """
+    from overview_dsp.files.atomic import write_file
+    from overview_dsp.signal.actuators.library import measured_profile, parse_actuator
+    from overview_dsp.signal.actuators.resonance import fit_resonance
+
+    actuator = ov.load_actuator(name)
+    samples, sample_rate = _read_channel(recording, input_channel)
+    fit = fit_resonance(samples, sample_rate, low_frequency, high_frequency, duration, quantity)
+    path = output or f"{actuator.name}-measured.toml"
+    text = measured_profile(actuator, fit, Path(recording).name)
+    measured = parse_actuator(text, Path(path).stem, path)
+    write_file(path, text)
+    report = {
+        "file": path,
+        "frequency_hz": round(fit.frequency_hz, 2),
+        "q": round(fit.q, 2),
+        "tolerance_percent": fit.tolerance_percent,
+        "residual_db": round(fit.residual_db, 2),
+        "overdrive": measured.values["shaping.overdrive"],
+        "response_hz": [round(one, 2) for one in fit.response_hz.tolist()],
+        "response_db": [round(one, 2) for one in fit.response_db.tolist()],
+        "model_db": [round(one, 2) for one in fit.model_db.tolist()],
+    }
+    line = (
+        f"{path}: resonance {fit.frequency_hz:.1f} Hz within {fit.tolerance_percent:g} %, Q "
+        f"{fit.q:.3g}, rise {measured.rise_ms:.3g} ms; response within {fit.residual_db:.1f} dB RMS"
+    )
+    show(as_json, report, line)
+
+
+def _read_channel(recording: str, channel: int) -> tuple[FloatArray, float]:
+    """Return the samples and the rate (Hz) of one channel of a sound file; warn if it clips."""
+    import numpy as np
+    import soundfile
+
+    try:
+        samples, sample_rate = soundfile.read(recording, always_2d=True)
+    except (soundfile.LibsndfileError, OSError) as error:
+        raise InputError(f"{recording}: can't be read as sound ({error})") from None
+    if channel > samples.shape[1]:
+        raise InputError(
+            f"{recording} has {samples.shape[1]} channels; --input-channel is {channel}"
+        )
+    clipped = int(np.count_nonzero(np.abs(samples[:, channel - 1]) >= CLIPPED))
+    if clipped > 1:
+        note(f"{recording}: {clipped} samples at full scale; record at a lower level")
+    return samples[:, channel - 1], float(sample_rate)

@@ -7,6 +7,10 @@ from overview_dsp.signal.actuators.calibration import (
 )
 from overview_dsp.signal.actuators.library import actuator_names, load_actuator
 from overview_dsp.signal.actuators.model import ACTUATOR_PARAMETERS, Actuator as Actuator
+from overview_dsp.signal.actuators.resonance import (
+    ResonanceFit as ResonanceFit,
+    fit_resonance as fit_resonance,
+)
 from overview_dsp.signal.actuators.stage import (
     ActuatorStage as ActuatorStage,
     ProtectionReport as ProtectionReport,

@@ -7,8 +7,10 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from overview_dsp import validation
+from overview_dsp.errors import warn
 from overview_dsp.files.library import Library
 from overview_dsp.files.toml import (
     check_head,
@@ -18,7 +20,10 @@ from overview_dsp.files.toml import (
     sections_of,
     values_in,
 )
-from overview_dsp.signal.actuators.model import ACTUATOR_PARAMETERS, Actuator
+from overview_dsp.signal.actuators.model import ACTUATOR_PARAMETERS, ONE_OF, Actuator
+
+if TYPE_CHECKING:
+    from overview_dsp.signal.actuators.resonance import ResonanceFit
 
 SCHEMA = 2
 _RENAMED = {"sharpen": "overdrive", "equal_sensation": "perceptual_weighting"}
@@ -91,4 +96,39 @@ def load_actuator(name: str | Path) -> Actuator:
     250.0
     """
     path = LIBRARY.path(name)
-    return parse_actuator(read_text(path), path.stem, str(path))
+    actuator = parse_actuator(read_text(path), path.stem, str(path))
+    if actuator.number("shaping.overdrive") > 1.0 and actuator.overdrive_q == actuator.q:
+        warn(
+            f"{path}: overdrive is off: it needs resonance.tolerance_percent of at most "
+            f"{actuator.highest_tolerance_percent:.2g}, not "
+            f"{actuator.number('resonance.tolerance_percent'):g}; see 'overview actuators measure'"
+        )
+    return actuator
+
+
+MEASURED_OVERDRIVE = 3.0  # of a profile with a measured resonance, up to its Q
+
+
+def measured_profile(actuator: Actuator, fit: ResonanceFit, recording: str) -> str:
+    """Return the text of an actuator's profile with the measured resonance of a recording.
+
+    Overdrive is on if the resonance is known well enough for it.
+    """
+    import tomlkit
+
+    document = tomlkit.parse(read_text(Path(actuator.source)))
+    resonance: Any = document["resonance"]
+    for id in ONE_OF:
+        resonance.pop(id.rpartition(".")[2], None)
+    resonance["frequency_hz"] = round(fit.frequency_hz, 2)
+    resonance["q"] = round(fit.q, 3)
+    resonance["tolerance_percent"] = fit.tolerance_percent
+    document["title"] = f"{actuator.title}, measured"
+    overdrive = max(actuator.number("shaping.overdrive"), min(MEASURED_OVERDRIVE, fit.q))
+    is_exact = fit.tolerance_percent <= 10.0 / fit.q
+    shaping: Any = document.setdefault("shaping", tomlkit.table())
+    shaping["overdrive"] = round(max(1.0, overdrive), 3) if is_exact else 1.0
+    return (
+        f"# Resonance measured with {recording}: the response is within {fit.residual_db:.1f} dB "
+        f"RMS of the model.\n# The rest is {actuator.name}:\n#\n{tomlkit.dumps(document)}"
+    )

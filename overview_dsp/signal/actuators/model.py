@@ -25,6 +25,7 @@ ACTUATOR_PARAMETERS: Mapping[str, Parameter] = MappingProxyType(
 
 _Q = ACTUATOR_PARAMETERS["resonance.q"]
 LOWEST_Q = _Q.low
+LOWEST_DRIVEN_Q = 1.5  # of overdrive: with a lower one, the motion overshoots more than without
 
 ONE_OF = ("resonance.q", "resonance.bandwidth_hz", "resonance.rise_ms")
 _OPTIONAL = (*ONE_OF, "drive.full_scale")
@@ -126,6 +127,21 @@ class Actuator:
         if "resonance.bandwidth_hz" in self.values:
             return self.resonance_hz / self.number("resonance.bandwidth_hz")
         return math.pi * self.resonance_hz * self.number("resonance.rise_ms") * 1e-3 / LN_9
+
+    @property
+    def highest_tolerance_percent(self) -> float:
+        """Largest error of the resonance with which overdrive is never worse than none, percent.
+
+        With a larger one than a tenth of the bandwidth, the motion overshoots more (measured).
+        """
+        return 10.0 / self.q
+
+    @property
+    def overdrive_q(self) -> float:
+        """Q of the motion with overdrive; `q` if the resonance isn't known well enough for it."""
+        if self.number("resonance.tolerance_percent") > self.highest_tolerance_percent:
+            return self.q
+        return max(min(self.q, LOWEST_DRIVEN_Q), self.q / self.number("shaping.overdrive"))
 
     @property
     def rise_ms(self) -> float:

@@ -15,7 +15,7 @@ from overview_dsp.kernels import layout
 from overview_dsp.kernels.device.actuator import drive_block
 from overview_dsp.kernels.device.derive_actuator import SKIN_HZ, derive_actuator
 from overview_dsp.public import counted
-from overview_dsp.signal.actuators.model import LOWEST_Q, Actuator, pacinian_db
+from overview_dsp.signal.actuators.model import Actuator, pacinian_db
 from overview_dsp.units import gain_to_db
 
 FAINT_DB = -12.0  # level of a carrier, relative to the resonance, below which a warning is shown
@@ -69,7 +69,7 @@ def _coefficient_inputs(actuator: Actuator) -> dict[int, float]:
         layout.GIVEN_DUTY: actuator.number("drive.duty"),
         layout.GIVEN_RESONANCE_HZ: actuator.resonance_hz,
         layout.GIVEN_Q: actuator.q,
-        layout.GIVEN_OVERDRIVE_Q: max(LOWEST_Q, actuator.q / actuator.number("shaping.overdrive")),
+        layout.GIVEN_OVERDRIVE_Q: actuator.overdrive_q,
         layout.GIVEN_PERCEPTUAL_WEIGHTING: float(
             bool(actuator.values["shaping.perceptual_weighting"])
         ),

@@ -23,7 +23,9 @@ def actuators(draw: st.DrawFn, longest_burst_ms: float | None = None) -> Actuato
     for id, known in ACTUATOR_PARAMETERS.items():
         if id in ONE_OF and id != said:
             continue
-        if known.choices:
+        if id == "resonance.tolerance_percent":
+            values[id] = draw(st.sampled_from((0.0, 0.5, 10.0)))
+        elif known.choices:
             values[id] = draw(st.sampled_from(known.choices))
         else:
             high = known.high

@@ -64,6 +64,7 @@ def test_a_render_until_rest_ends_after_the_drive_has(match, football):
             **{id: value for id, value in slow.values.items() if id != "resonance.q"},
             "resonance.frequency_hz": 20.0,
             "resonance.q": 100.0,
+            "resonance.tolerance_percent": 0.0,
             "shaping.overdrive": 4.0,
         },
     )

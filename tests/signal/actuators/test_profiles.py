@@ -49,7 +49,7 @@ def toml_of(actuator):
 
 
 def test_a_profile_of_schema_1_loads_with_its_earlier_keys():
-    text = C2.replace("schema = 2", "schema = 1").replace("overdrive = 4", "overdrive = 4")
+    text = C2.replace("schema = 2", "schema = 1").replace("overdrive = 1", "sharpen = 4")
     earlier = parse_actuator(text + "perceptual_weighting = true\n", "c2", "c2.toml")
     assert earlier.values["shaping.overdrive"] == 4.0
     assert earlier.values["shaping.perceptual_weighting"] is True
@@ -121,20 +121,20 @@ def test_every_number_is_held_to_its_range_and_named_with_its_line(id):
 @pytest.mark.parametrize(
     ("old", "new", "words"),
     [
-        ("rise_ms = 33", "rise_mss = 33", ("mine.toml:14: resonance.rise_mss: unknown key",
+        ("rise_ms = 33", "rise_mss = 33", ("mine.toml:15: resonance.rise_mss: unknown key",
                                            "did you mean", "rise_ms")),
-        ("[drive]", "[drives]", ("mine.toml:16: drives: unknown key", "drive")),
-        ("schema = 2", "schema = 3", ("mine.toml:8: schema = 3; must be 2",)),
+        ("[drive]", "[drives]", ("mine.toml:17: drives: unknown key", "drive")),
+        ("schema = 2", "schema = 3", ("mine.toml:9: schema = 3; must be 2",)),
         ("schema = 2", "", ("schema is missing",)),
-        ('title = "C-2 tactor"', "title = 3", ("mine.toml:9: title = 3; must be text",)),
-        ("rise_ms = 33", "", ("mine.toml:13: resonance.frequency_hz: give one of", "not none")),
+        ('title = "C-2 tactor"', "title = 3", ("mine.toml:10: title = 3; must be text",)),
+        ("rise_ms = 33", "", ("mine.toml:14: resonance.frequency_hz: give one of", "not none")),
         ("rise_ms = 33", "rise_ms = 33\nq = 3", ("more than one",)),
         ("rise_ms = 33", "rise_ms = 1000", ("resonance.rise_ms = 1000 gives a q of 357",
                                             "0.6 to 100")),
-        ("peak = 0.5", "peak = 0.2", ("mine.toml:19: drive.peak is below drive.rated_rms",)),
+        ("peak = 0.5", "peak = 0.2", ("mine.toml:20: drive.peak is below drive.rated_rms",)),
         ("peak = 0.5\n", "", ("drive.peak is missing; allowed: 0.0001 to 10000",)),
         ('unit = "A"', 'unit = "W"', ("drive.unit", '"A" or "V" or "full scale"')),
-        ("overdrive = 4", "overdrive = 4\nperceptual_weighting = 1",
+        ("overdrive = 1", "overdrive = 1\nperceptual_weighting = 1",
          ("shaping.perceptual_weighting",)),
         ("[drive]", "drive = 3\n[other]", ("not TOML",)),
         ("[resonance]", "[[resonance]]", ("resonance = ", "must be a table: [resonance]")),

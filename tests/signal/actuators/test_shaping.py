@@ -26,6 +26,12 @@ from tests.signal.actuators.driving import (
 )
 
 
+def measured(name):
+    """A bundled actuator with overdrive, as if its resonance were measured."""
+    known = {"resonance__tolerance_percent": 0.2, "shaping__overdrive": 4.0}
+    return changed(load_actuator(name), **known)
+
+
 def edges(actuator, amplitude=0.7):
     """Rise and fall of the motion, ms, its level, and the drive."""
     frequency = actuator.resonance_hz
@@ -39,7 +45,7 @@ def edges(actuator, amplitude=0.7):
 @pytest.mark.parametrize("name", ["c2", "lra"])
 def test_a_c2_rises_and_falls_in_less_than_half_the_time_within_its_rating(name):
     """`shaping.overdrive` against none; the rise alone is what the profile says."""
-    actuator = changed(load_actuator(name), shaping__perceptual_weighting=False)
+    actuator = changed(measured(name), shaping__perceptual_weighting=False)
     plain_rise, plain_fall, plain_level, _ = edges(changed(actuator, shaping__overdrive=1.0))
     rise, fall, level, drive = edges(actuator)
     assert plain_rise == pytest.approx(actuator.rise_ms, rel=0.05)
@@ -52,7 +58,7 @@ def test_a_c2_rises_and_falls_in_less_than_half_the_time_within_its_rating(name)
 
 
 def test_with_headroom_below_the_peak_the_motion_is_exactly_that_of_the_lower_q():
-    c2 = load_actuator("c2")
+    c2 = measured("c2")
     roomy = changed(c2, drive__peak=100.0, drive__full_scale=100.0, drive__rated_rms=0.01)
     signal = burst(250.0, 0.1, 0.1, 1e-3)
     drive, _ = driven(roomy, signal)
@@ -75,6 +81,7 @@ def test_overdrive_keeps_the_level_at_the_resonance(frequency, q, overdrive, rat
         **load_actuator("voice_coil").values,
         "resonance.frequency_hz": frequency,
         "resonance.q": q,
+        "resonance.tolerance_percent": 0.0,
         "shaping.overdrive": overdrive,
         "shaping.perceptual_weighting": False,
     }
