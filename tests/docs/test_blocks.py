@@ -18,7 +18,8 @@ SHOWN = {"text", "c", "cpp", "js", "html", "toml", "json"}
 """Languages that are read, not run."""
 
 DEVICES = {
-    "a C compiler", "a sound output", "a serial port", "a MIDI port", "a phone", "a cluster",
+    "a C compiler", "a sound output", "a recording", "a serial port", "a MIDI port", "a phone",
+    "a cluster",
     "an editor", "a package registry", "a fresh environment", "a clone of the project",
     "five minutes", "both cores for a minute", "both cores for some seconds",
     "a program that writes angles", "a terminal", "a live service",
