@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import json
 import os
+import queue
 import sys
+import threading
 import time
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import ExitStack, contextmanager
@@ -37,6 +39,38 @@ def say(line: str) -> None:
         nowhere = os.open(os.devnull, os.O_WRONLY)
         os.dup2(nowhere, STANDARD_ERROR)  # else Python would fail at exit
         os.close(nowhere)
+
+
+class LineReader:
+    """Reader of the lines of standard input, in a thread."""
+
+    WAIT_S = 0.01
+
+    def __init__(self) -> None:
+        self._lines: queue.Queue[str | None] = queue.Queue()
+        threading.Thread(target=self._read, name="standard input", daemon=True).start()
+
+    def _read(self) -> None:
+        for line in iter(sys.stdin.readline, ""):
+            self._lines.put(line.strip())
+        self._lines.put(None)
+
+    def discard(self) -> None:
+        """Discard earlier lines, but not the end of the input."""
+        while not self._lines.empty():
+            if self._lines.get() is None:
+                self._lines.put(None)
+                return
+
+    def next(self) -> str | None:
+        """Return the next line, None after a short wait; InputError if the input ended."""
+        try:
+            line = self._lines.get(timeout=self.WAIT_S)
+        except queue.Empty:
+            return None
+        if line is None:
+            raise InputError("standard input ended before an answer; run the command in a terminal")
+        return line
 
 
 def announce_compile(*kernels: str) -> None:

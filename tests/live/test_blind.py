@@ -13,7 +13,8 @@ import pytest
 
 import overview_dsp as ov
 from overview_dsp.design.gestures.scripts import pause
-from overview_dsp.live.session.blind import COLUMNS, BlindComparison, abx_d_prime, abx_p
+from overview_dsp.live.session.abx import COLUMNS, abx_d_prime, abx_p
+from overview_dsp.live.session.blind import BlindComparison
 from overview_dsp.live.session.commands import execute
 from overview_dsp.measure.level_matching import MATCHED_DB, match_levels
 from tests.cli.running import MATCH, environment, overview, refused
@@ -78,7 +79,7 @@ def test_a_robot_that_guesses_is_right_half_the_time_with_uniform_p(session, tmp
     ps = []
     for number in range(60):
         one = BlindComparison(player, presets, tmp_path / f"{number}.csv", seed=number)
-        one._choose = lambda name, one=one: setattr(one, "_felt_x", True)  # nothing is heard
+        one._choose = lambda name, one=one: setattr(one, "felt_x", True)  # nothing is heard
         for _ in range(16):
             one.run("x")
             one.run(dice.choice(("is-a", "is-b")))
@@ -116,7 +117,7 @@ def test_nothing_tells_which_preset_x_is(session, tmp_path):
                       ("blind", "y")):  # fmt: skip
             execute(player, *words)
         player.choose_preset(1)
-        said[player.blind._x] = wait(player, lambda: True, sound)
+        said[player.blind.x] = wait(player, lambda: True, sound)
     assert said[0] == said[1]
     assert said[0][:2] == ["X was not felt yet; press x", "now X"]
     assert len([line for line in said[0] if "blind comparison chooses the preset" in line]) == 3

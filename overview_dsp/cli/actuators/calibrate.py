@@ -3,20 +3,17 @@
 from __future__ import annotations
 
 import math
-import queue
 import random
 import statistics
-import sys
-import threading
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import click
 
 import overview_dsp as ov
-from overview_dsp.cli.common import announce_compile, note, show
+from overview_dsp.cli.common import LineReader, announce_compile, note, show
 from overview_dsp.cli.options.declaring import JSON, cli_command, option
-from overview_dsp.cli.options.output import DEVICE
+from overview_dsp.cli.options.output import DEVICE, saved_output
 from overview_dsp.errors import InputError
 from overview_dsp.live.output.portaudio_library import SILENT
 
@@ -111,7 +108,7 @@ def _answers(
     hertz = actuator.resonance_hz if frequency is None else frequency
     announce_compile("drive_block")
     RisingTone(hertz, db_per_s, 0.0).drive(actuator, out, channels, rate)  # checks the options
-    keys = _Keys()
+    lines = LineReader()
     levels: list[float] = []
     early = 0
     click.echo(
@@ -123,10 +120,10 @@ def _answers(
         rise = RisingTone(hertz, db_per_s, random.uniform(*SILENCE_S))
         samples = rise.drive(actuator, out, channels, rate)
         click.echo(f"tone {len(levels) + 1} of {repeats} ...", err=True)
-        keys.discard()
+        lines.discard()
         silent = device == SILENT
         player = NullSamplePlayer(samples, rate) if silent else SamplePlayer(samples, rate, index)
-        level = find_threshold(rise, player, keys.pressed)
+        level = find_threshold(rise, player, lambda: lines.next() is not None)
         if math.isfinite(level):
             click.echo(f"felt at {level:.1f} dB", err=True)
             levels.append(level)
@@ -147,55 +144,12 @@ def _output(
     device: str | None, channel: str | None
 ) -> tuple[OutputSettings, str, float, int | None]:
     """Return the output of the tactor, and name, rate (Hz) and index of the device."""
-    from overview_dsp.live.output.devices import find_device
-    from overview_dsp.live.output.portaudio_library import device_named
-    from overview_dsp.live.output.settings import (
-        OutputSettings,
-        SignalSettings,
-        load_settings,
-        parse_channels,
-    )
+    from overview_dsp.live.output.settings import OutputSettings, SignalSettings, parse_channels
 
-    if device == SILENT:
-        settings, name, rate, index = OutputSettings(), "no output", 48_000.0, None
-    else:
-        found = find_device(device_named(device))
-        name, rate, index = found.full_name, found.sample_rate, found.index
-        settings = load_settings(name, found.channels)
+    settings, name, rate, index = saved_output(device)
     tactor = settings.tactor
     if channel is not None:
         tactor = replace(tactor, channel=parse_channels(channel))
     if not tactor.channels:
         raise InputError(f"the tactor has no channel of {name}; select one with --channel")
     return OutputSettings(SignalSettings(0), tactor), name, rate, index
-
-
-class _Keys:
-    """Reader of Enter on standard input, in a thread."""
-
-    WAIT_S = 0.01
-
-    def __init__(self) -> None:
-        self._lines: queue.Queue[bool] = queue.Queue()
-        threading.Thread(target=self._read, name="standard input", daemon=True).start()
-
-    def _read(self) -> None:
-        for _ in iter(sys.stdin.readline, ""):
-            self._lines.put(True)
-        self._lines.put(False)
-
-    def discard(self) -> None:
-        """Discard earlier lines, but not the end of the input."""
-        while not self._lines.empty():
-            if not self._lines.get():
-                self._lines.put(False)
-                return
-
-    def pressed(self) -> bool:
-        """Return whether Enter was pressed, after a short wait; InputError if the input ended."""
-        try:
-            if self._lines.get(timeout=self.WAIT_S):
-                return True
-        except queue.Empty:
-            return False
-        raise InputError("standard input ended before an answer; run the command in a terminal")

@@ -11,6 +11,7 @@ from overview_dsp.cli.options.declaring import option, parse_pairs
 from overview_dsp.errors import InputError
 
 if TYPE_CHECKING:
+    from overview_dsp.live.output.settings import OutputSettings
     from overview_dsp.signal.actuators.model import Actuator
     from overview_dsp.signal.actuators.stage import ProtectionReport
 
@@ -26,6 +27,19 @@ SET = option(
     "--set",
     metavar="KEY=VALUE",
 )
+
+
+def saved_output(device: str | None) -> tuple[OutputSettings, str, float, int | None]:
+    """Return the saved settings of an output device, and its name, rate (Hz) and index."""
+    from overview_dsp.live.output.devices import find_device
+    from overview_dsp.live.output.portaudio_library import SILENT, device_named
+    from overview_dsp.live.output.settings import OutputSettings, load_settings
+
+    if device == SILENT:
+        return OutputSettings(), "no output", 48_000.0, None
+    found = find_device(device_named(device))
+    settings = load_settings(found.full_name, found.channels)
+    return settings, found.full_name, found.sample_rate, found.index
 
 
 def callback_kind() -> Literal["native", "python"]:

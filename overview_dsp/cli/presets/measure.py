@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
@@ -12,6 +13,7 @@ import overview_dsp as ov
 from overview_dsp.cli.common import announce_compile, progress_bar, show
 from overview_dsp.cli.live_session import SEED
 from overview_dsp.cli.options.declaring import JSON, argument, cli_command, option, refuse_options
+from overview_dsp.cli.options.output import DEVICE
 from overview_dsp.cli.options.reading import Reading, Window, open_window
 from overview_dsp.cli.presets.inspect import command
 from overview_dsp.errors import InputError
@@ -56,29 +58,62 @@ class Observer:
         return {name: value for name, value in options.items() if value is not None}
 
 
-@cli_command("presets audition heart -o heart.wav", group=command)
+@dataclass(frozen=True)
+class Through:
+    """Options of an audition through another player."""
+
+    heading: ClassVar[str] = "Through a player"
+
+    player: str | None = option(
+        "Render the vibration as the player of a haptic format plays it, after the original.",
+        type=click.Choice(["ahap", "haptic", "hjif", "android"]),
+    )
+    blind_trials: int | None = option(
+        "Play both on --device: is X the original (A) or the player's (B)? Number of answers.",
+        type=click.IntRange(1, 200),
+        metavar="TRIALS",
+    )
+    device: str | None = DEVICE
+
+
+@cli_command("presets audition heart --player android -o heart.wav", group=command)
 def audition(
     preset: str,
     *,
     output: str | None = option("Sound file.  [default: PRESET-audition.wav]"),
     seed: int = SEED,
     as_json: bool = JSON,
+    through: Through,
 ) -> None:
     """Render a sweep over every event kind of PRESET, and draw it.
 
-    Left has the clicks, right the tactor signal. The picture is written beside the sound file.
+    Left has the clicks, right the tactor signal; with --player both have the vibration, first the
+    original, then the player's. The picture is written beside the sound file.
     """
+    from overview_dsp.cli.presets.through_player import (
+        PAUSE_S,
+        compare_blind,
+        in_turn,
+        original_and_played,
+    )
+    from overview_dsp.files.sound import save_sound
     from overview_dsp.measure.pictures import audition as sound
     from overview_dsp.measure.pictures import plot_gallery
     from overview_dsp.offline.plots.saving import save_figure
 
+    if through.player is None and (through.blind_trials is not None or through.device is not None):
+        raise InputError("--blind-trials and --device need a --player")
     loaded = ov.load_preset(preset)
     path = Path(output) if output is not None else Path(f"{loaded.name}-audition.wav")
     announce_compile()
     result = sound(loaded, seed)
-    result.save(path)
+    if through.player is None:
+        result.save(path)
+    else:
+        pair = original_and_played(result, through.player)
+        save_sound(path, in_turn(pair, result.sample_rate), result.sample_rate)
     pictures = save_figure(plot_gallery(result, loaded), path.with_suffix(""))
-    report = {
+    report: dict[str, Any] = {
         "file": str(path),
         "pictures": [str(picture) for picture in pictures],
         "kinds": [
@@ -86,7 +121,19 @@ def audition(
             for event in result.engine.timeline.events
         ],
     }
-    show(as_json, report, f"{path}: {', '.join(loaded.kinds)}, out and back", pictures[0])
+    line = f"{path}: {', '.join(loaded.kinds)}, out and back"
+    if through.player is not None:
+        begins_s = round(len(result.samples) / result.sample_rate + PAUSE_S, 6)
+        report |= {"player": through.player, "player_from_s": begins_s}
+        line += f"; from {begins_s:g} s as a player of {through.player} plays it"
+    if through.blind_trials is not None:
+        named = path.with_suffix(time.strftime(".blind-%Y%m%d-%H%M%S.csv"))
+        answers = compare_blind(
+            pair, result.sample_rate, through.device, through.blind_trials, named
+        )
+        report |= {"hits": answers.hits, "trials": answers.trials}
+        line += f"\n{answers.result_text}"
+    show(as_json, report, line, pictures[0])
 
 
 @cli_command(

@@ -2,10 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import math
-import random
-import time
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -13,56 +9,20 @@ from typing import TYPE_CHECKING
 from overview_dsp.design.gestures import Gesture
 from overview_dsp.design.presets.model import Preset
 from overview_dsp.errors import InputError
-from overview_dsp.files.atomic import output_error
+from overview_dsp.live.session.abx import AbxTrials
 
 if TYPE_CHECKING:
     from overview_dsp.live.session.player import Player
 
-COLUMNS = ("trial", "x", "answer", "is_right", "time_s", "hits", "trials", "p", "d_prime")
 KEYS = {"a": ("blind", "a"), "b": ("blind", "b"), "x": ("blind", "x"),
         "A": ("blind", "is-a"), "B": ("blind", "is-b")}  # fmt: skip
 """Commands that are one key during a blind comparison."""
 
 
-def abx_p(hits: int, trials: int) -> float:
-    """Return the probability of at least so many hits by guessing (exact binomial test)."""
-    from scipy.stats import binom  # slow
-
-    return float(binom.sf(hits - 1, trials, 0.5))
-
-
-def abx_d_prime(hits: int, trials: int) -> float:
-    """Return d' of an ABX test (Macmillan and Creelman 2005, chapter 9: independent observations).
-
-    Without a wrong answer half of one is counted, as d' would be infinite. Half of the
-    answers and less are 0.
-    """
-    from scipy.optimize import brentq
-    from scipy.stats import norm
-
-    right = min(hits, trials - 0.5) / trials
-    if right <= 0.5:
-        return 0.0
-
-    def excess(d: float) -> float:
-        far, near = d / math.sqrt(2.0), d / 2.0
-        return float(norm.cdf(far) * norm.cdf(near) + norm.cdf(-far) * norm.cdf(-near)) - right
-
-    return float(brentq(excess, 0.0, 20.0))
-
-
-class BlindComparison:
-    """Trials of a blind comparison: A and B are known, X is drawn at random for each answer.
-
-    Each choice restarts the engine at rest, also between equal presets. Each answer is a row of a
-    CSV file, at once.
+class BlindComparison(AbxTrials):
+    """Trials in a session: A and B are its presets. Each choice restarts the engine at rest.
 
     Thread: control.
-
-    Attributes
-    ----------
-    hits, trials : int
-        Number of right answers, and of all answers.
     """
 
     def __init__(
@@ -78,23 +38,14 @@ class BlindComparison:
 
         `path`: new CSV file of the answers. `seed`: of the drawn presets; None: another each time.
         """
-        self._player, self._path = player, path
-        self._gesture, self._repeats = gesture, repeats
-        self._random = random.Random(seed) if seed is not None else random.SystemRandom()
-        self._began_s = time.monotonic()
-        self.hits = self.trials = 0
-        self._unwritten: list[tuple[object, ...]] = []  # rows that found no room on the disk
+        super().__init__(path, seed)
+        self._player, self._gesture, self._repeats = player, gesture, repeats
         player.active_window.presets.fix(presets)
-        self._draw()
-
-    def _draw(self) -> None:
-        self._x = self._random.randrange(2)
-        self._felt_x = False
 
     def run(self, word: str) -> None:
         """Play `a`, `b` or `x`, or take an answer, `is-a` or `is-b`; InputError for others."""
         if word in ("is-a", "is-b"):
-            self._answer("ab".index(word[-1]))
+            self._player.say(self.answer("ab".index(word[-1])))
         elif word in ("a", "b", "x"):
             self._choose(word)
         else:
@@ -105,7 +56,7 @@ class BlindComparison:
         if not player.output.playing:
             player.say("no output; choose again when it plays")
             return
-        index = self._x if name == "x" else "ab".index(name)
+        index = self.x if name == "x" else "ab".index(name)
         window.pop_requested_preset()
         if self._gesture is None:
             preset = window.presets.choose(index)
@@ -115,37 +66,5 @@ class BlindComparison:
             player.loop.begin(self._gesture, name.upper(), self._repeats)
             if not player.loop.playing:  # the output doesn't respond, as was reported
                 return
-        self._felt_x |= name == "x"
+        self.felt_x |= name == "x"
         player.say(f"now {name.upper()}")
-
-    def _answer(self, index: int) -> None:
-        if not self._felt_x:
-            self._player.say("X was not felt yet; press x")
-            return
-        self.trials += 1
-        self.hits += index == self._x
-        self._unwritten.append((
-            self.trials, "AB"[self._x], "AB"[index], int(index == self._x),
-            f"{time.monotonic() - self._began_s:.2f}", self.hits, self.trials,
-            f"{abx_p(self.hits, self.trials):.4g}", f"{abx_d_prime(self.hits, self.trials):.3f}",
-        ))  # fmt: skip
-        self._draw()
-        self._player.say(f"answer {self.trials}; X is drawn again")
-        try:
-            header = [] if self._path.exists() else [COLUMNS]
-            with open(self._path, "a", newline="", encoding="utf-8") as file:
-                csv.writer(file).writerows([*header, *self._unwritten])
-        except OSError as error:
-            raise output_error(self._path, error) from error
-        self._unwritten.clear()
-
-    @property
-    def result_text(self) -> str:
-        """Result as a sentence."""
-        if not self.trials:
-            return "no answers in the blind comparison"
-        p, d_prime = abx_p(self.hits, self.trials), abx_d_prime(self.hits, self.trials)
-        return (
-            f"{self._path}: {self.hits} of {self.trials} right, p {p:.3g} by guessing, "
-            f"d' {d_prime:.2f}"
-        )

@@ -26,6 +26,13 @@ POINTS_PER_S = 50.0
 Played = dict[str, FloatArray]  # amplitude at each millisecond on each player of a document
 
 
+def played_by(result: RenderResult[Trace | None], to: str) -> FloatArray:
+    """Return the level of a render, at each millisecond, on the first player of a format."""
+    clip = clip_of(result)
+    _, played, _ = _BAKES[to](clip, round(POINTS_PER_S * clip.duration_s))
+    return next(iter(played.values()))
+
+
 @dataclass(frozen=True)
 class ExportResult:
     """Result of `export`.
@@ -107,7 +114,8 @@ _BAKES: Mapping[str, Bake] = MappingProxyType(
 )
 """Writers by format; `wav4` is written from the samples."""
 
-NAMES = (*_BAKES, "wav4")
+CLIPS = tuple(_BAKES)
+NAMES = (*CLIPS, "wav4")
 
 
 def formats() -> tuple[str, ...]:
