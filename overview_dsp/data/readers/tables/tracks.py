@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 from overview_dsp.arrays import FloatArray
 from overview_dsp.data.readers.data_file import DataFile
 from overview_dsp.data.readers.tables.arrays import array_table
+from overview_dsp.data.readers.tables.column_names import FIT_FIELDS, TRACK_ELEMENTS
 from overview_dsp.data.readers.tables.table import ColumnTable
 from overview_dsp.data.timeline.time_parsing import NS, moment
 from overview_dsp.errors import InputError
@@ -38,25 +39,7 @@ _LONGEST = 100
 """Maximum number of characters of a value."""
 
 _POINTS = frozenset({"trkpt", "Trackpoint"})
-_VALUES = {
-    "ele": "elevation (m)",
-    "AltitudeMeters": "elevation (m)",
-    "hr": "heart_rate (bpm)",
-    "cad": "cadence (1/min)",
-    "Cadence": "cadence (1/min)",
-    "RunCadence": "cadence (1/min)",
-    "DistanceMeters": "distance (m)",
-    "LatitudeDegrees": "lat",
-    "LongitudeDegrees": "lon",
-}
-_COLUMNS = (
-    "elevation (m)", "heart_rate (bpm)", "cadence (1/min)", "distance (m)", "power (W)",
-)  # fmt: skip
-_FIT = {
-    "enhanced_altitude": "elevation (m)", "altitude": "elevation (m)", "power": "power (W)",
-    "heart_rate": "heart_rate (bpm)", "cadence": "cadence (1/min)", "distance": "distance (m)",
-    "enhanced_speed": "speed", "speed": "speed",
-}  # fmt: skip
+_COLUMNS = tuple(name for name in dict.fromkeys(FIT_FIELDS.values()) if name != "speed")
 _SEMICIRCLES = {"position_lat": "lat", "position_long": "lon"}
 SPEED = "speed (km/h)"
 
@@ -132,8 +115,8 @@ def _fit_points(source: DataFile) -> Iterator[dict[str, float]]:
                     elif isinstance(one.value, int | float):
                         if one.name in _SEMICIRCLES:
                             point[_SEMICIRCLES[one.name]] = one.value * 180.0 / 2**31
-                        elif one.name in _FIT:
-                            point.setdefault(_FIT[one.name], float(one.value))
+                        elif one.name in FIT_FIELDS:
+                            point.setdefault(FIT_FIELDS[one.name], float(one.value))
                 yield point
     # the exceptions of the decoder are not documented
     except Exception as error:
@@ -201,8 +184,8 @@ class _Reader:
             self._point = None
         elif name in ("time", "Time"):
             point["time"] = _seconds(text)
-        elif text and name in _VALUES:
-            point[_VALUES[name]] = _number(text)
+        elif text and name in TRACK_ELEMENTS:
+            point[TRACK_ELEMENTS[name]] = _number(text)
         elif text and name == "Value" and self._path[-1] == "HeartRateBpm":
             point["heart_rate (bpm)"] = _number(text)
 
