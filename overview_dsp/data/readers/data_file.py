@@ -81,15 +81,6 @@ _XML_DECLARATION = re.compile(r"\s*<\?xml\b[^>]{0,200}\?>")
 _XML_ROOT = re.compile(r"<([A-Za-z_][\w.:-]{0,99})[\s/>]")
 _XML_ASIDE = re.compile(r"<!--.*?-->|<\?.*?\?>", re.S)
 
-_BOMS = (
-    (codecs.BOM_UTF8, "utf-8-sig"),
-    # UTF-32 first: its mark begins with UTF-16's
-    (codecs.BOM_UTF32_LE, "utf-32"),
-    (codecs.BOM_UTF32_BE, "utf-32"),
-    (codecs.BOM_UTF16_LE, "utf-16"),
-    (codecs.BOM_UTF16_BE, "utf-16"),
-)
-
 _SIGNATURES = {
     kind: [(mark.encode("latin-1"), offset, name) for mark, offset, name in rows]
     for kind, rows in load_toml(__file__, "signatures.toml").items()
@@ -167,7 +158,7 @@ def printable_path(path: str | os.PathLike[str]) -> str:
 
 def text_encoding(data: bytes) -> str:
     """Return the encoding of the byte order mark, UTF-8 without one."""
-    return next((name for mark, name in _BOMS if data.startswith(mark)), "utf-8")
+    return signature(data, "encoding") or "utf-8"
 
 
 def decode_text(data: bytes, where: str, encoding: str = "") -> str:
