@@ -24,25 +24,11 @@ _PATTERNS: dict[str, re.Pattern[str]] = {
 _ENGLISH = {word: term for term, words in TRANSLATIONS.items() for word in words}
 _WORDS = "|".join(word.replace(" ", r"[\W_]+") for word in sorted(_ENGLISH, key=len, reverse=True))
 _FOREIGN = re.compile(rf"[\W_]*(?P<term>{_WORDS})(?!\w)")
-_CALLED = re.compile(
-    r"\s*(?:[!:.,;(\u2013\u2014]|-\s|(?:by|for|from|de|von|fur|durch|di|do|da|par|pour|van|voor)\b)"
-)
-"""What follows a term that begins a sentence: a mark, or who it was by. Names follow otherwise."""
-
-_GOAL_CALL = re.compile(r"\W*goal(?!\w)")
-_NO_CALL = re.compile(r"\W*(?:kick|keeper|line|post|mouth|area|attempt|chance|check|review)\b")
-_BUT = re.compile(r"but(?:\s*!|\s+(?:de|du|par|pour)\b|\s*$)")  # a goal in French
 _LONG = 7
 """Letters of a term that needs no such mark; none is a family name."""
 
 _LONG_O = re.compile("o{4,}")
-_SEES = re.compile(r".*\bsieht (?:die |noch )?(?=gelb|rot)")  # a card in German
 _ONLY_ALONE = ("goal", "gol contra")
-_SCORES = re.compile(
-    r"(?!.*\b(?:nearly|almost|should|could|would|have|has|had|who|twice|not|never|to|if|when|after"
-    r"|substitution|half|full|time|formation)\b)"
-    r"(?:(?:[a-z]+ ){1,3}(?:scores|scored|converts)|penalty (?:scored|converted))\b(?! against)"
-)
 _CAMEL = re.compile(r"(?<=[a-z])(?=[A-Z])")
 
 
@@ -57,9 +43,11 @@ def normalize_terms(text: str, is_detail: bool = False) -> str:
 
     Of a detail only the whole text is a term in another language.
     """
-    plain = _SEES.sub("", _LONG_O.sub("ooo", plain_letters(_CAMEL.sub(" ", text))))
+    plain = _PATTERNS["sees"].sub("", _LONG_O.sub("ooo", plain_letters(_CAMEL.sub(" ", text))))
     words = normalize_text(plain)
-    if not is_detail and (_BUT.match(plain) or _is_call(_GOAL_CALL.match(plain))):
+    if not is_detail and (
+        _PATTERNS["but"].match(plain) or _is_call(_PATTERNS["goal_call"].match(plain))
+    ):
         return f"goal scored {words}"
     found = _FOREIGN.match(plain)
     if found is None:
@@ -78,8 +66,8 @@ def _is_call(found: re.Match[str] | None) -> bool:
     """Return whether a mark or a preposition follows a term."""
     if found is None:
         return False
-    called = _CALLED.match(found.string, found.end())
-    return called is not None and _NO_CALL.match(found.string, called.end()) is None
+    called = _PATTERNS["called"].match(found.string, found.end())
+    return called is not None and _PATTERNS["no_call"].match(found.string, called.end()) is None
 
 
 def is_sentence(text: str) -> bool:
@@ -156,7 +144,9 @@ def _is_goal(kind: str, details: str, is_penalty: bool) -> bool:
     bare = " ".join(re.sub(r"\b(?:penalty|pen|pk|p|from the spot|kick)\b", " ", kind).split())
     if _PATTERNS["goal"].fullmatch(bare) or _PATTERNS["goal"].fullmatch(kind):
         return True
-    if kind.startswith("goal scored ") or (_SCORES.match(kind) and not _has("missed", kind)):
+    if kind.startswith("goal scored ") or (
+        _PATTERNS["scores"].match(kind) and not _has("missed", kind)
+    ):
         return True
     said = details if not kind.startswith("penalty kick ") else f"{kind} {details}"
     if is_penalty and _has("converted", said):
