@@ -13,6 +13,7 @@ NAMES: dict[str, tuple[str, ...]] = {
     role: tuple(names) for role, names in _TABLE.items() if isinstance(names, list)
 }
 TIME_UNITS: dict[str, str] = _TABLE["time_units"]
+TIME_FORMATS: dict[str, str] = _TABLE["time_formats"]
 CHART_LETTERS: dict[str, str] = _TABLE["chart_letters"]
 HEADER_UNITS: dict[str, str] = _TABLE["header_units"]
 MINUTE_LIST: dict[str, list[str]] = _TABLE["minute_list"]

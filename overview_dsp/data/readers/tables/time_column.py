@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from overview_dsp.arrays import FloatArray
 from overview_dsp.data.readers.tables.cells import is_missing
-from overview_dsp.data.readers.tables.column_names import NAMES, TIME_UNITS
+from overview_dsp.data.readers.tables.column_names import NAMES, TIME_FORMATS, TIME_UNITS
 from overview_dsp.data.readers.tables.table import (
     CellLocation,
     Cells,
@@ -102,16 +102,7 @@ class Format:
     @property
     def description(self) -> str:
         """Description of the times, for messages."""
-        names = {
-            "iso": "ISO dates", "dmy": "dates d/m/y", "mdy": "dates m/d/y",
-            "yyyymm": "months", "month names": "dates with names of months",
-            "quarters, months or weeks": "quarters, months or weeks",
-            "epoch": "seconds since 1970", "epoch_ms": "milliseconds since 1970",
-            "epoch_us": "microseconds since 1970", "epoch_ns": "nanoseconds since 1970",
-            "clock": "m:ss or h:mm:ss", "hhmm": "h:mm, the time of day", "year": "years",
-            "excel": "spreadsheet days",
-        }  # fmt: skip
-        return names.get(self.name, f"plain time in {self.name}")
+        return TIME_FORMATS.get(self.name, f"plain time in {self.name}")
 
 
 def requested_format(option: str | None, columns: Columns) -> tuple[str | None, str]:
