@@ -71,10 +71,6 @@ _EXCEL_DAYS = (20_000.0, 60_000.0)
 _EXCEL_ZERO = -25_569
 """Spreadsheet day 0 (1899-12-30), in days from 1970-01-01."""
 
-_UNIT_NS = {
-    "W": 7 * DAY_NS, "D": DAY_NS, "h": 3600 * NS, "m": 60 * NS, "s": NS, "ms": 1_000_000,
-    "us": 1_000, "ns": 1,
-}  # fmt: skip
 _FIRST_S, _LAST_S = -62_135_596_800.0, 253_402_300_799.999999
 """First and last moment of the calendar, in s from 1970."""
 
@@ -459,9 +455,9 @@ class TimeColumn:
         if unit in ("Y", "M"):
             cells, unit, count = cells.astype("datetime64[D]"), "D", 1
             known = cells[~missing]
-        if unit not in _UNIT_NS:
+        step_ns = int(np.array(1, f"m8[{unit}]") / np.timedelta64(1, "ns")) * count
+        if not step_ns:
             raise locate(0).error(cells[0], "is finer than a nanosecond; round the times")
-        step_ns = _UNIT_NS[unit] * count
         if self.anchor_ns is None:
             self.anchor_ns = int(known.astype(np.int64)[0]) * step_ns
         whole, rest = divmod(self.anchor_ns, step_ns)
