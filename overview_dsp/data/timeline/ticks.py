@@ -17,6 +17,7 @@ from datetime import datetime, timedelta
 from functools import partial
 
 from overview_dsp.data.timeline.event import Event
+from overview_dsp.data.timeline.time_parsing import MONTHS
 
 MOST_TICKS = 26  # maximum number of ticks that can still be counted by touch
 KINDS = (
@@ -40,10 +41,6 @@ _DATED_S = (*_SUBSECOND_S, 1.0, 5.0, 15.0, 60.0, 300.0, 900.0, 3600.0, 21_600.0,
 _CLOCK_S = (
     *_SUBSECOND_S, 1.0, 2.0, 5.0, 15.0, 30.0, 60.0, 120.0, 300.0, 900.0, 1800.0, 3600.0, 10_800.0,
     21_600.0, 43_200.0, *(m * _DAY_S * 10**power for power in range(9) for m in (1.0, 2.0, 5.0)),
-)  # fmt: skip
-_MONTHS = (
-    "January", "February", "March", "April", "May", "June", "July", "August", "September",
-    "October", "November", "December",
 )  # fmt: skip
 
 _MINUTES = ((0, 45), (45, 90), (90, 105), (105, 120))
@@ -267,7 +264,7 @@ def _label(kind: str, at: datetime) -> str:
     if kind == "year":
         return f"{at.year}"
     if kind == "month":
-        return f"{_MONTHS[at.month - 1]} {at.year}"
+        return f"{MONTHS[at.month - 1].title()} {at.year}"
     if kind == "week":
         return f"week of {at.date().isoformat()}"
     if kind == "day":

@@ -41,15 +41,11 @@ Whole = int | IntArray
 _PIVOT = 69
 """Two-digit years from here are in the 1900s, those below in the 2000s (POSIX)."""
 
-_NAMED_ZONES_MIN = {
-    "WET": 0, "WEST": 60, "CET": 60, "CEST": 120, "EET": 120, "EEST": 180,
-    "EST": -300, "EDT": -240, "CST": -360, "CDT": -300, "MST": -420, "MDT": -360,
-    "PST": -480, "PDT": -420,
-}  # fmt: skip
-"""Offsets of zones with different names in summer and winter."""
-
 _NAMES = load_toml(__file__, "months.toml")
-_ENGLISH: list[str] = _NAMES["english"]
+MONTHS: list[str] = _NAMES["english"]
+"""English names of the months, in lower case."""
+
+_NAMED_ZONES_MIN: dict[str, int] = _NAMES["zones_min"]
 
 # --- parts of patterns, by the names of their groups
 
@@ -112,7 +108,7 @@ FORMS: dict[str, tuple[re.Pattern[str], ...]] = {
 """Patterns of dates by name of the form; the first that matches is used."""
 
 _LINE_CLOCK = r"(?P<h>\d\d):(?P<min>\d\d):(?P<s>\d\d)"
-_LINE_MONTH = rf"(?P<name>{'|'.join(name[:3].title() for name in _ENGLISH)})"
+_LINE_MONTH = rf"(?P<name>{'|'.join(name[:3].title() for name in MONTHS)})"
 LINE_FORMS = {
     "iso": re.compile(
         r"(?P<y>\d{4})([-/])(?P<m>\d\d)\2(?P<d>\d\d)[T ](?P<h>\d\d):(?P<min>\d\d)(?::(?P<s>\d\d))?"
@@ -330,7 +326,7 @@ def _month(name: str, is_alone: bool) -> int:
     else, unless they are English.
     """
     plain = plain_letters(name)
-    english = [i for i, full in enumerate(_ENGLISH, 1) if full.startswith(plain)]
+    english = [i for i, full in enumerate(MONTHS, 1) if full.startswith(plain)]
     if len(english) == 1:
         return english[0]
     months = {
