@@ -146,7 +146,6 @@ def _even(
     step_s: float, start: datetime | None, from_s: float, duration_s: float
 ) -> Iterator[Event]:
     """Yield ticks at whole numbers of steps from midnight, or from the beginning."""
-    step_us = round(step_s * _US)
     event: Callable[[int, float], Event]
     if start is None:
         offset_s, event = from_s, _plain
@@ -159,34 +158,30 @@ def _even(
             kind = _kind(step_s, moment)
             return Event(time_s, kind, _label(kind, moment))
 
-    for count in range(math.floor(offset_s * _US / step_us), 1 << 62):
-        at_us = count * step_us
-        time_s = at_us / _US - offset_s
-        if time_s >= duration_s:
+    for at_us, time_s in _multiples(step_s, offset_s, duration_s):
+        try:
+            yield event(at_us, time_s)
+        except OverflowError:  # past the calendar's end
+            return
+
+
+def _multiples(step_s: float, offset_s: float, end_s: float) -> Iterator[tuple[int, float]]:
+    """Yield whole numbers of steps, us, and their times after an offset, s, from 0 to an end."""
+    step_us = round(step_s * _US)
+    for count in range(max(0, math.floor(offset_s * _US / step_us)), 1 << 62):
+        time_s = count * step_us / _US - offset_s
+        if time_s >= end_s:
             return
         if time_s > 0.0:
-            try:
-                yield event(at_us, time_s)
-            except OverflowError:  # past the calendar's end
-                return
+            yield count * step_us, time_s
 
 
 def _match_minutes(
     halves: Sequence[Half], step_s: float, from_s: float, duration_s: float
 ) -> Iterator[Event]:
     for half in halves:
-        yield from _of_half(half, step_s, from_s, duration_s)
-
-
-def _of_half(half: Half, step_s: float, from_s: float, duration_s: float) -> Iterator[Event]:
-    step_us = round(step_s * _US)
-    begin_s = half.begin_s - from_s
-    for count in range(max(0, math.floor(-begin_s * _US / step_us)), 1 << 62):
-        at_us = count * step_us
-        time_s = begin_s + at_us / _US
-        if time_s >= min(duration_s, half.end_s - from_s):
-            return
-        if time_s > 0.0:
+        end_s = min(duration_s, half.end_s - from_s)
+        for at_us, time_s in _multiples(step_s, from_s - half.begin_s, end_s):
             minutes, rest = divmod(at_us, 60 * _US)
             shown = half.minute_text(minutes, has_seconds=bool(rest))
             if rest:
