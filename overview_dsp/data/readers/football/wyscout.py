@@ -24,8 +24,9 @@ The companion file `matches_*.json` in the same folder has names, home team and 
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
+from types import MappingProxyType
 
 from overview_dsp import validation
 from overview_dsp.data.readers.data_file import DataFile, LoadOptions
@@ -122,15 +123,16 @@ def matches(source: DataFile) -> list[str]:
 def read(source: DataFile, options: LoadOptions) -> Timeline:
     """Read one match (takes `match`); the InputError contains file and event."""
     document = source.json  # its errors contain the path
-    grouped = _grouped(document)
-    ids = list(grouped)
-    found, notes = companions(source, frozenset(ids))
-    id_ = ids[select_match(_lines(ids, found), options.match, ids)]
-    return _timeline(document, grouped[id_], found.get(id_), notes, source.stem)
+    found, companion_notes = companions(source, frozenset(_grouped(document)))
+    return decode(document, options.match, found, companion_notes, source.stem)
 
 
 def decode(
-    document: object, match: str | None = None, companion: Companion | None = None, title: str = ""
+    document: object,
+    match: str | None = None,
+    found: Mapping[str, Companion] = MappingProxyType({}),
+    companion_notes: Sequence[str] = (),
+    default_title: str = "",
 ) -> Timeline:
     """Return the Timeline of one match of a parsed file.
 
@@ -140,9 +142,11 @@ def decode(
         List of events, or object that contains it.
     match
         As `LoadOptions.match`; may be None for a file of one match.
-    companion
-        Names and score of the match, if known.
-    title
+    found
+        Names and scores of matches by their ids, if known.
+    companion_notes
+        Notes about the files of the companions.
+    default_title
         Title if the teams have no names.
 
     Raises
@@ -153,18 +157,9 @@ def decode(
     """
     grouped = _grouped(document)
     ids = list(grouped)
-    id_ = ids[select_match(_lines(ids, {}), match, ids)]
-    return _timeline(document, grouped[id_], companion, (), title)
-
-
-def _timeline(
-    document: object,
-    raws: Sequence[tuple[int, object]],
-    companion: Companion | None,
-    companion_notes: Sequence[str],
-    default_title: str,
-) -> Timeline:
-    events = [_Event.parse(raw, f"event {i}") for i, raw in raws]
+    id_ = ids[select_match(_lines(ids, found), match, ids)]
+    companion = found.get(id_)
+    events = [_Event.parse(raw, f"event {i}") for i, raw in grouped[id_]]
     played = [event for event in events if event.period != SHOOT_OUT]
     played.sort(key=lambda event: (event.period, event.sec))
     notes = [*companion_notes, *repeated_ids(event.id for event in events)]
@@ -315,7 +310,7 @@ def _listed(document: object) -> list[object]:
     return listed if isinstance(listed, list) else []
 
 
-def _lines(ids: Sequence[str], found: dict[str, Companion]) -> list[str]:
+def _lines(ids: Sequence[str], found: Mapping[str, Companion]) -> list[str]:
     lines = ((found[id_].line if id_ in found else "", id_) for id_ in ids)
     return ["  ".join(filter(None, line)) or "the match" for line in lines]
 
