@@ -6,28 +6,12 @@ the side, 0 for low-frequency effects, 1 for all others.
 
 from __future__ import annotations
 
+from overview_dsp.files.toml import load_toml
+
 SIDE_WEIGHT = 1.41
 """Weight of the power of a side speaker."""
 
-# usual speakers by number of channels; "Lr", "Rr": rear speakers of 7.1, beyond 120 degrees
-_LAYOUTS: dict[int, tuple[str, ...]] = {
-    1: ("M",),
-    2: ("L", "R"),
-    3: ("L", "R", "C"),
-    4: ("L", "R", "Ls", "Rs"),
-    5: ("L", "R", "C", "Ls", "Rs"),
-    6: ("L", "R", "C", "LFE", "Ls", "Rs"),
-    7: ("L", "R", "C", "LFE", "Cs", "Ls", "Rs"),
-    8: ("L", "R", "C", "LFE", "Lr", "Rr", "Ls", "Rs"),
-}
-# order of Xiph formats, which libsndfile does not change (Vorbis I specification, 4.3.9)
-_XIPH_LAYOUTS: dict[int, tuple[str, ...]] = {
-    3: ("L", "C", "R"),
-    5: ("L", "C", "R", "Ls", "Rs"),
-    6: ("L", "C", "R", "Ls", "Rs", "LFE"),
-    7: ("L", "C", "R", "Ls", "Rs", "Cs", "LFE"),
-    8: ("L", "C", "R", "Ls", "Rs", "Lr", "Rr", "LFE"),
-}
+_TABLES = load_toml(__file__, "tables.toml")
 _WEIGHTS = {"LFE": 0.0, "Ls": SIDE_WEIGHT, "Rs": SIDE_WEIGHT}
 
 # bits of the channel mask in a WAVE header for speakers with a weight other than 1
@@ -41,7 +25,8 @@ def layout_of(channels: int, xiph: bool = False) -> tuple[str, ...] | None:
 
     `xiph` selects the order of Vorbis and Opus, in which the centre is second and the LFE last.
     """
-    return (_XIPH_LAYOUTS if xiph else {}).get(channels) or _LAYOUTS.get(channels)
+    usual = _TABLES["layouts"] | (_TABLES["xiph_layouts"] if xiph else {})
+    return tuple(usual[str(channels)]) if str(channels) in usual else None
 
 
 def weights_of(layout: tuple[str, ...]) -> tuple[float, ...]:

@@ -16,38 +16,25 @@ from overview_dsp.data.analysis.loudness import MIN_RATE
 from overview_dsp.data.readers.audio.channels import layout_of, weights_of, weights_of_mask
 from overview_dsp.data.readers.data_file import DataFile, signature
 from overview_dsp.errors import InputError
+from overview_dsp.files.toml import load_toml
 
-_V1, _V2, _V25 = 3, 2, 0  # codes of MPEG versions 1, 2 and 2.5 in the header of a frame
-_L1, _L2, _L3 = 3, 2, 1  # codes of MPEG layers
-_RATES = {
-    _V1: (44_100, 48_000, 32_000),
-    _V2: (22_050, 24_000, 16_000),
-    _V25: (11_025, 12_000, 8000),
-}
-# kbit/s for the bitrate indices 1 to 14
-_KBITS = {
-    (True, _L1): (32, 64, 96, 128, 160, 192, 224, 256, 288, 320, 352, 384, 416, 448),
-    (True, _L2): (32, 48, 56, 64, 80, 96, 112, 128, 160, 192, 224, 256, 320, 384),
-    (True, _L3): (32, 40, 48, 56, 64, 80, 96, 112, 128, 160, 192, 224, 256, 320),
-    (False, _L1): (32, 48, 56, 64, 80, 96, 112, 128, 144, 160, 176, 192, 224, 256),
-    (False, _L2): (8, 16, 24, 32, 40, 48, 56, 64, 80, 96, 112, 128, 144, 160),
-    (False, _L3): (8, 16, 24, 32, 40, 48, 56, 64, 80, 96, 112, 128, 144, 160),
-}
+_TABLES = load_toml(__file__, "tables.toml")
+_VERSIONS = {3: "1", 2: "2", 0: "2_5"}  # MPEG versions by their codes in the header of a frame
 
 
 def frame_of(header: bytes) -> tuple[int, float] | None:
     """Return the length of an MPEG audio frame in bytes and in s; None if `header` is not one."""
     if len(header) < 4 or header[0] != 0xFF or header[1] & 0xE0 != 0xE0:
         return None
-    version, layer = header[1] >> 3 & 3, header[1] >> 1 & 3
+    version, layer = _VERSIONS.get(header[1] >> 3 & 3), 4 - (header[1] >> 1 & 3)
     bitrate, rate, padded = header[2] >> 4, header[2] >> 2 & 3, header[2] >> 1 & 1
-    if version not in _RATES or layer == 0 or bitrate in (0, 15) or rate == 3:
+    if version is None or layer == 4 or bitrate in (0, 15) or rate == 3:
         return None
-    bits = 1000 * _KBITS[version == _V1, layer][bitrate - 1]
-    hz = _RATES[version][rate]
-    if layer == _L1:
+    kbits = _TABLES["mpeg_1_kbits" if version == "1" else "mpeg_2_kbits"]
+    bits, hz = 1000 * kbits[str(layer)][bitrate - 1], _TABLES["mpeg_rates"][version][rate]
+    if layer == 1:
         return (12 * bits // hz + padded) * 4, 384 / hz
-    samples = 576 if layer == _L3 and version != _V1 else 1152
+    samples = 576 if layer == 3 and version != "1" else 1152
     return samples // 8 * bits // hz + padded, samples / hz
 
 
