@@ -39,6 +39,15 @@ def require_package(module: str, purpose: str, extra: str) -> Any:
         ) from error
 
 
+def require_library(module: str, what: str, extra: str, otherwise: str) -> Any:
+    """Import a module of an optional library; InputError names its `extra` and another remedy."""
+    try:
+        return import_module(module)
+    except ImportError as error:
+        package, command = module.partition(".")[0], install_command(extra)
+        raise InputError(f"{what} needs {package}: {command}, or {otherwise}") from error
+
+
 def _source() -> Path | None:
     """Return the folder or wheel of this installation; None if it is gone or unknown."""
     tree = Path(__file__).resolve().parent.parent

@@ -25,7 +25,7 @@ from typing import Any
 from overview_dsp.data.readers.data_file import UNNAMED, DataFile, LoadOptions, signature
 from overview_dsp.data.readers.tables import health, workbook
 from overview_dsp.errors import InputError
-from overview_dsp.installation import install_command
+from overview_dsp.installation import require_library
 
 MAX_MB = 256.0
 """Maximum unpacked size, MB (2**20 bytes), unless `max_mb` is set."""
@@ -156,12 +156,7 @@ def _parts(data: Any, label: str) -> Iterator[bytes]:
 
 @contextlib.contextmanager
 def _opened_url(url: str, label: str) -> Iterator[Any]:
-    try:
-        import fsspec
-    except ImportError as error:
-        raise InputError(
-            f"a URL needs fsspec: {install_command('urls')}, or save the data to a file"
-        ) from error
+    fsspec = require_library("fsspec", "a URL", "urls", "save the data to a file")
     with contextlib.ExitStack() as stack:
         try:
             stream = stack.enter_context(fsspec.open(url, "rb"))

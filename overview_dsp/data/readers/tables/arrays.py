@@ -33,7 +33,7 @@ from overview_dsp.data.readers.tables.table import (
 )
 from overview_dsp.data.readers.tables.text_cells import PAD, TextCells, padded
 from overview_dsp.errors import InputError, quoted
-from overview_dsp.installation import install_command
+from overview_dsp.installation import require_library
 
 MAGIC = b"\x93NUMPY"
 ZIP_MAGIC = b"PK\x03\x04"
@@ -179,24 +179,16 @@ MAX_ROWS = 2_000_000_000
 """Maximum number of rows: a file of a few kilobytes can contain any number of equal rows."""
 
 
-def _library() -> Any:
-    try:
-        import pyarrow.parquet
-    except ImportError as error:
-        raise InputError(
-            f"Parquet needs pyarrow: {install_command('parquet')}, or save the table as CSV"
-        ) from error
-    return pyarrow
-
-
 class ParquetTable(Table):
     """Table of a Parquet file, streamed."""
 
     kind = "Parquet"
 
     def __init__(self, source: DataFile) -> None:
-        arrow = _library()
-        self._arrow = arrow
+        require_library("pyarrow.parquet", "Parquet", "parquet", "save the table as CSV")
+        import pyarrow as arrow
+
+        self._arrow: Any = arrow
         self._path = str(source.path)
         with _one_line_errors():
             file = arrow.parquet.ParquetFile(self._path, memory_map=False)

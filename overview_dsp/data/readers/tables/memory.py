@@ -25,7 +25,7 @@ from overview_dsp.data.readers.tables.table import CellLocation, Cells, Column, 
 from overview_dsp.data.readers.tables.time_column import detected_format
 from overview_dsp.data.timeline.event import Event
 from overview_dsp.errors import InputError, quoted
-from overview_dsp.installation import install_command
+from overview_dsp.installation import require_library
 
 
 class SupportsNumpy(Protocol):
@@ -459,13 +459,8 @@ def columns_of(frame: Any) -> tuple[str, list[tuple[str, InputColumn]]]:
     """
     library = type(frame).__module__.partition(".")[0]
     what = f"a {library} {type(frame).__name__}"
-    try:
-        import narwhals.stable.v2 as nw
-    except ImportError as error:
-        raise InputError(
-            f"{what} needs narwhals: {install_command('dataframes')}, or give its columns as a "
-            "dict of lists"
-        ) from error
+    remedy = "give its columns as a dict of lists"
+    nw = require_library("narwhals.stable.v2", what, "dataframes", remedy)
     if hasattr(frame, "collect") and not hasattr(frame, "to_numpy"):
         raise InputError(f"{what} isn't computed yet; give what its collect() returns")
     if hasattr(frame, "get_level_values"):  # an index by itself
