@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -46,6 +48,17 @@ def require_library(module: str, what: str, extra: str, otherwise: str) -> Any:
     except ImportError as error:
         package, command = module.partition(".")[0], install_command(extra)
         raise InputError(f"{what} needs {package}: {command}, or {otherwise}") from error
+
+
+@contextmanager
+def library_errors(message: Callable[[Exception], str]) -> Iterator[None]:
+    """Turn any error of a library, which are rarely documented, into an InputError."""
+    try:
+        yield
+    except InputError:  # a ValueError too
+        raise
+    except Exception as error:
+        raise InputError(message(error)) from error
 
 
 def _source() -> Path | None:

@@ -25,7 +25,7 @@ from typing import Any
 from overview_dsp.data.readers.data_file import UNNAMED, DataFile, LoadOptions, signature
 from overview_dsp.data.readers.tables import health, workbook
 from overview_dsp.errors import InputError
-from overview_dsp.installation import require_library
+from overview_dsp.installation import library_errors, require_library
 
 MAX_MB = 256.0
 """Maximum unpacked size, MB (2**20 bytes), unless `max_mb` is set."""
@@ -158,13 +158,11 @@ def _parts(data: Any, label: str) -> Iterator[bytes]:
 def _opened_url(url: str, label: str) -> Iterator[Any]:
     fsspec = require_library("fsspec", "a URL", "urls", "save the data to a file")
     with contextlib.ExitStack() as stack:
-        try:
-            stream = stack.enter_context(fsspec.open(url, "rb"))
         # every storage has its own errors; that of a missing library names the package
-        except Exception as error:
-            raise InputError(
-                f"{label}: can't be opened ({_reason(error)}); check the address"
-            ) from error
+        with library_errors(
+            lambda error: f"{label}: can't be opened ({_reason(error)}); check the address"
+        ):
+            stream = stack.enter_context(fsspec.open(url, "rb"))
         yield stream
 
 

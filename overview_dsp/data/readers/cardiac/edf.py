@@ -28,7 +28,7 @@ from overview_dsp.data.readers.tables.arrays import array_table
 from overview_dsp.data.timeline.event import Event
 from overview_dsp.data.timeline.model import Timeline
 from overview_dsp.errors import InputError, quoted
-from overview_dsp.installation import require_package
+from overview_dsp.installation import library_errors, require_package
 
 
 def sniff(source: DataFile) -> bool:
@@ -44,7 +44,7 @@ def read(source: DataFile, options: LoadOptions) -> Timeline:
         warnings.simplefilter("ignore")  # its damage is an error here
         if source.head[192:197] == b"EDF+D":
             raise InputError("an EDF+D recording with gaps; convert it to EDF+C")
-        try:
+        with library_errors(lambda error: f"a damaged EDF file ({error}); get it again"):
             recording = edfio.read_edf(source.path)
             names = list(recording.labels)
             annotations = [(one.onset, one.text) for one in recording.annotations]
@@ -64,11 +64,6 @@ def read(source: DataFile, options: LoadOptions) -> Timeline:
                     f"the file is cut off: {recording.num_data_records} of {declared} records; "
                     "get it again"
                 )
-        except InputError:  # a ValueError too
-            raise
-        # the exceptions of the decoder are not documented
-        except Exception as error:
-            raise InputError(f"a damaged EDF file ({error}); get it again") from error
         events = _events(annotations, len(values) / rate)
         name = names[chosen]
         if options.map in MAPS or (options.map is None and is_heart(name)):

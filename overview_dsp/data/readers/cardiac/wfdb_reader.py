@@ -33,7 +33,7 @@ from overview_dsp.data.timeline.event import Event
 from overview_dsp.data.timeline.gaps import Gaps
 from overview_dsp.data.timeline.model import Timeline
 from overview_dsp.errors import InputError
-from overview_dsp.installation import require_package
+from overview_dsp.installation import library_errors, require_package
 
 _ANNOTATION_SUFFIX = ".atr"
 
@@ -175,18 +175,16 @@ def read_annotations(path: Path, rate: float, duration_s: float | None) -> Annot
             f"{MAX_BYTES >> 20} MB"
         )
     wfdb: Any = require_package("wfdb", "reading annotations", "ecg")
-    try:
+    with library_errors(
+        lambda error: (
+            f"{where}: not a WFDB annotation file ({str(error) or type(error).__name__}); "
+            "download it again, or remove it to find the beats in the signal"
+        )
+    ):
         annotation = wfdb.rdann(str(path.with_suffix("")), path.suffix[1:])
         samples = np.asarray(annotation.sample, dtype=np.int64)
         symbols = [str(symbol) for symbol in annotation.symbol]
         texts = [str(note or "").strip("\0 ") for note in annotation.aux_note]
-    # the exceptions of the decoder are not documented
-    except Exception as error:
-        reason = str(error) or type(error).__name__
-        raise InputError(
-            f"{where}: not a WFDB annotation file ({reason}); download it again, or remove it to "
-            "find the beats in the signal"
-        ) from error
     time_s = samples / rate
     outside = (time_s < 0.0) | (time_s > (np.inf if duration_s is None else duration_s))
     beats: dict[float, tuple[str, str]] = {}

@@ -20,7 +20,7 @@ from overview_dsp.data.readers.cardiac.wfdb_header import (
     read_header,
 )
 from overview_dsp.errors import InputError, quoted
-from overview_dsp.installation import require_package
+from overview_dsp.installation import library_errors, require_package
 
 MAX_SAMPLES = 1 << 31
 """Maximum number of samples of a signal: eight months at 100 Hz."""
@@ -93,20 +93,15 @@ class RecordSignal:
 
     def _decode(self, **span: int) -> FloatArray:
         wfdb: Any = require_package("wfdb", "reading a WFDB record", "ecg")
-        try:
-            record = wfdb.rdrecord(
-                str(self.header.path.with_suffix("")),
-                channels=[self.index],
-                smooth_frames=False,
-                **span,
+        path, file = str(self.header.path.with_suffix("")), self._signal.file
+        with library_errors(
+            lambda error: (
+                f"{file} cannot be decoded ({str(error) or type(error).__name__}); "
+                "download the record again"
             )
+        ):
+            record = wfdb.rdrecord(path, channels=[self.index], smooth_frames=False, **span)
             return np.asarray(record.e_p_signal[0], dtype=np.float64)
-        # the exceptions of the decoder are not documented
-        except Exception as error:
-            reason = str(error) or type(error).__name__
-            raise InputError(
-                f"{self._signal.file} cannot be decoded ({reason}); download the record again"
-            ) from error
 
 
 @dataclass(frozen=True)

@@ -33,7 +33,7 @@ from overview_dsp.data.readers.tables.table import (
 )
 from overview_dsp.data.readers.tables.text_cells import PAD, TextCells, padded
 from overview_dsp.errors import InputError, quoted
-from overview_dsp.installation import require_library
+from overview_dsp.installation import library_errors, require_library
 
 MAGIC = b"\x93NUMPY"
 ZIP_MAGIC = b"PK\x03\x04"
@@ -132,18 +132,13 @@ def open_npz(source: DataFile) -> ColumnTable:
 
 def _header(stream: IO[bytes] | zipfile.ZipExtFile) -> tuple[tuple[int, ...], bool, np.dtype[Any]]:
     """Read the header of an array; InputError for objects or a wrong header."""
-    try:
-        version = np.lib.format.read_magic(stream)
-        read = (
-            np.lib.format.read_array_header_1_0
-            if version == (1, 0)
-            else np.lib.format.read_array_header_2_0
-        )
+    form = np.lib.format
+    with library_errors(  # a literal of any kind is parsed there
+        lambda error: f"no NumPy array ({' '.join(str(error).split())[:120]}); get the file again"
+    ):
+        is_first = form.read_magic(stream) == (1, 0)
+        read = form.read_array_header_1_0 if is_first else form.read_array_header_2_0
         shape, fortran, dtype = read(stream, _MAX_HEADER)
-    except Exception as error:  # a literal of any kind is parsed there
-        raise InputError(
-            f"no NumPy array ({' '.join(str(error).split())[:120]}); get the file again"
-        ) from error
     if dtype.hasobject:
         raise InputError("an array of Python objects, which aren't read; save numbers")
     if any(size < 0 for size in shape) or not dtype.itemsize:

@@ -26,7 +26,7 @@ from overview_dsp.data.readers.tables.column_names import FIT_FIELDS, TRACK_ELEM
 from overview_dsp.data.readers.tables.table import ColumnTable
 from overview_dsp.data.timeline.time_parsing import NS, moment
 from overview_dsp.errors import InputError
-from overview_dsp.installation import require_package
+from overview_dsp.installation import library_errors, require_package
 
 MAX_DEPTH = 64
 """Maximum nesting level of the XML; tracks have about ten levels."""
@@ -99,28 +99,27 @@ def open_table(source: DataFile) -> ColumnTable:
 def _fit_points(source: DataFile) -> Iterator[dict[str, float]]:
     """Yield the values of each record of a FIT file; InputError for a damaged one."""
     fitdecode = require_package("fitdecode", "reading a FIT file", "fit")
-    try:
-        with fitdecode.FitReader(
+    with (
+        library_errors(lambda e: f"a damaged FIT file ({e}); copy it from the device again"),
+        fitdecode.FitReader(
             str(source.path),
             check_crc=fitdecode.CrcCheck.RAISE,
             error_handling=fitdecode.ErrorHandling.IGNORE,
-        ) as reader:
-            for frame in reader:
-                if frame.frame_type != fitdecode.FIT_FRAME_DATA or frame.name != "record":
-                    continue
-                point: dict[str, float] = {}
-                for one in frame.fields:
-                    if one.name == "timestamp" and hasattr(one.value, "timestamp"):
-                        point["time"] = one.value.timestamp()
-                    elif isinstance(one.value, int | float):
-                        if one.name in _SEMICIRCLES:
-                            point[_SEMICIRCLES[one.name]] = one.value * 180.0 / 2**31
-                        elif one.name in FIT_FIELDS:
-                            point.setdefault(FIT_FIELDS[one.name], float(one.value))
-                yield point
-    # the exceptions of the decoder are not documented
-    except Exception as error:
-        raise InputError(f"a damaged FIT file ({error}); copy it from the device again") from error
+        ) as reader,
+    ):
+        for frame in reader:
+            if frame.frame_type != fitdecode.FIT_FRAME_DATA or frame.name != "record":
+                continue
+            point: dict[str, float] = {}
+            for one in frame.fields:
+                if one.name == "timestamp" and hasattr(one.value, "timestamp"):
+                    point["time"] = one.value.timestamp()
+                elif isinstance(one.value, int | float):
+                    if one.name in _SEMICIRCLES:
+                        point[_SEMICIRCLES[one.name]] = one.value * 180.0 / 2**31
+                    elif one.name in FIT_FIELDS:
+                        point.setdefault(FIT_FIELDS[one.name], float(one.value))
+            yield point
 
 
 def _is_empty(values: NDArray[Any]) -> bool:
