@@ -38,6 +38,7 @@ from overview_dsp.data.readers.cardiac.build import (
 from overview_dsp.data.readers.cardiac.wfdb_signal import best_signal, index_of
 from overview_dsp.data.readers.data_file import MAX_TEXT_BYTES, DataFile, LoadOptions
 from overview_dsp.data.readers.tables.cells import TOKENS, choose_decimal_mark, parse
+from overview_dsp.data.readers.tables.column_names import PATTERNS
 from overview_dsp.data.readers.tables.delimited import DelimitedTable
 from overview_dsp.data.readers.tables.dialect import Dialect, detect, head_lines
 from overview_dsp.data.readers.tables.table import (
@@ -72,17 +73,6 @@ _HEAD_ROWS = 60
 _RATE_ROWS = 1000
 _MISSING = TOKENS | {"inf", "-inf", "+inf"}
 _BRACKETED = re.compile(r"\[?([\d:.]+)(?: [\d/]+)?\]?", re.ASCII)
-_HEART = re.compile(
-    r"ecg|ekg|ppg|pleth|bvp|pulse|\bheart|^hart$|^hr$"
-    r"|^(lead[ _]?)?(i{1,3}|av[rlf]|v[1-6]|ml(i{1,3}|\d))$",
-    re.I,
-)
-_TIME = re.compile(
-    r"^(t|time|timer|timestamp|date|datetime|elapsed( time)?|zeit|temps|tiempo|sec|secs|seconds?|ms"
-    r"|msec|milliseconds?)([ _\[(/].*)?$|.*[ _](time|timestamp)$|^time.*",
-    re.I,
-)
-_INDEX = re.compile(r"^(|index|sample|samples|sample ?#|#|n|no\.?|unnamed: ?0)$", re.I)
 _GAP_STEPS = 1.5
 
 
@@ -111,24 +101,28 @@ class _Layout:
     def time_column(self) -> int | None:
         """Return the first column of times, by its name or its first cell; None without one."""
         for i, name in enumerate(self.names):
-            if self.has_header and _TIME.match(name) and (self.numeric[i] or self.holds_times(i)):
+            if (
+                self.has_header
+                and PATTERNS["sample_time"].match(name)
+                and (self.numeric[i] or self.holds_times(i))
+            ):
                 return i
         return next((i for i in range(len(self.names)) if self.holds_times(i)), None)
 
     def index_column(self) -> int | None:
         """Return the column of sample numbers; None without one."""
-        return next(iter(self._named(_INDEX)), None)
+        return next(iter(self._named("sample_number")), None)
 
     def heart_columns(self) -> list[int]:
         """Return the columns with the name of an ECG lead or a pulse wave."""
-        return self._named(_HEART)
+        return self._named("heart_signal")
 
-    def _named(self, pattern: re.Pattern[str]) -> list[int]:
+    def _named(self, pattern: str) -> list[int]:
         columns = enumerate(zip(self.names, self.numeric, strict=True))
         return [
             i
             for i, (name, numeric) in columns
-            if self.has_header and numeric and pattern.search(name)
+            if self.has_header and numeric and PATTERNS[pattern].search(name)
         ]
 
 

@@ -21,6 +21,7 @@ from overview_dsp.data.analysis.curve_maps import Map
 from overview_dsp.data.readers.data_file import LoadOptions
 from overview_dsp.data.readers.series.rows import with_settled_order
 from overview_dsp.data.readers.tables.cells import choose_decimal_mark, parse
+from overview_dsp.data.readers.tables.column_names import PATTERNS
 from overview_dsp.data.readers.tables.column_roles import (
     TimeChoice,
     choose_time,
@@ -53,14 +54,6 @@ CURRENCIES = frozenset("$€£¥₹₽₩")
 _CODES = frozenset({"usd", "eur", "gbp", "chf", "jpy", "cad", "aud", "cny", "inr", "sek", "nok"})
 _SYMBOLS = ("symbol", "ticker", "instrument", "isin", "ric")
 _TICKER = re.compile(r"[A-Za-z]{1,5}([.\-][A-Za-z]{1,3})?(_[A-Za-z]{1,5})?")
-_NO_SHARE = re.compile(
-    r"=[FX]$|^\^|[-_/](usdt?|eur|btc)$"
-    r"|\b(gold|silver|platinum|palladium|copper|alumini?um|nickel|zinc|iron|steel|oil|crude|brent"
-    r"|wti|gas|gasoline|diesel|coal|power|electricity|wheat|corn|maize|rice|soy\w*|coffee|cocoa"
-    r"|sugar|cotton|lumber|cattle|hogs|rubber|uranium|bitcoin|btc|eth|ether\w*|crypto\w*|futures?"
-    r"|commodit\w+|forex|fx|currency|exchange|index|commodity|price|prices|eur|usd|gbp|jpy|chf)\b",
-    re.IGNORECASE,
-)
 
 
 @dataclass(frozen=True)
@@ -202,7 +195,9 @@ def detect_value_type(
         return ValueType("plain")
     why = "its header says so" if named else "it is in a currency"
     symbols = [name, *_symbols(columns, head)]
-    if not named or any(_NO_SHARE.search(symbol.replace("_", " ")) for symbol in symbols):
+    if not named or any(
+        PATTERNS["no_share"].search(symbol.replace("_", " ")) for symbol in symbols
+    ):
         return _with_note("price", column, why)
     if "adjusted" in price_columns(columns):
         return _with_note("share", column, "there is a close adjusted for splits")

@@ -18,6 +18,9 @@ CHART_LETTERS: dict[str, str] = _TABLE["chart_letters"]
 HEADER_UNITS: dict[str, str] = _TABLE["header_units"]
 MINUTE_LIST: dict[str, list[str]] = _TABLE["minute_list"]
 MINUTE_LIST_PERIODS: dict[str, list[str]] = _TABLE["minute_list_periods"]
+PATTERNS: dict[str, re.Pattern[str]] = {
+    name: re.compile("|".join(parts), re.IGNORECASE) for name, parts in _TABLE["patterns"].items()
+}
 TRACK_ELEMENTS: dict[str, str] = _TABLE["track_elements"]
 FIT_FIELDS: dict[str, str] = _TABLE["fit_fields"]
 UNIT_SUFFIX = re.compile(r"(?:in)?(ns|us|ms|s|sec|secs|seconds|min|mins|minutes|h|hrs|hours)$")
