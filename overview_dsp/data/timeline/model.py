@@ -381,15 +381,13 @@ class Timeline:
             intensity = Intensity(np.zeros(1), np.zeros(1), unit)
             notes = (*notes, "this window has no event and no curve")
         gaps, gap_reasons = cut_gaps(self.gaps, self.gap_reasons, start, end)
-        window = object.__new__(Timeline)  # without validating again
-        window.__dict__.update(
-            title=self.title,
+        return _changed(
+            self,
             duration_s=end - start,
             events=events,
             intensity=intensity,
             gaps=gaps,
             gap_reasons=gap_reasons,
-            provenance=self.provenance,
             notes=notes,
             start=moment,
             details=details,
@@ -399,9 +397,7 @@ class Timeline:
             _own_events=own_events,
             _ranks=rank,
             _from_s=from_s,
-            _halves=self._halves,
         )
-        return window
 
     def moment_text(self, time_s: float) -> str:
         """Return a moment as text for display: a date with a calendar, else a clock.
@@ -564,10 +560,13 @@ def with_marks(timeline: Timeline, marks: Iterable[Event]) -> Timeline:
         others = (event for event in events if event.kind != MARK)
         return sorted_events((*others, *marks), timeline.duration_s)
 
+    own_events = marked(timeline._own_events)
+    return _changed(timeline, events=marked(timeline.events), _own_events=own_events)
+
+
+def _changed(timeline: Timeline, **changes: Any) -> Timeline:
+    """Return a timeline with changes, without validating again; a window keeps its origin."""
     names = [*(one.name for one in fields(timeline)), "_ranks", "_from_s", "_halves"]
-    values = {name: getattr(timeline, name) for name in names}
-    changed = object.__new__(Timeline)  # without validating again
-    changed.__dict__.update(
-        values, events=marked(timeline.events), _own_events=marked(timeline._own_events)
-    )
+    changed = object.__new__(Timeline)
+    changed.__dict__.update({name: getattr(timeline, name) for name in names} | changes)
     return changed
