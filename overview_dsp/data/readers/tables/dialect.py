@@ -244,8 +244,9 @@ def _fields(rows: list[list[str]], i: int, most: int = _COLUMN_ROWS) -> list[str
     return [cell for cell in found if not is_missing(cell)][:most]
 
 
-def _is_date(cell: str) -> bool:
-    return moment(cell, *FORMS) is not None and not cell.isdigit()
+def is_date(cell: str) -> bool:
+    """Return whether a cell is a date, and not only digits."""
+    return moment(cell.strip(), *FORMS) is not None and not cell.isdigit()
 
 
 def _is_header(top: list[str], below: list[list[str]]) -> bool:
@@ -256,15 +257,15 @@ def _is_header(top: list[str], below: list[list[str]]) -> bool:
     dates, numbers = [], []
     for i, cell in enumerate(map(str.strip, top)):
         fields = _fields(below, i)
-        dated = [_is_date(field) for field in fields]
+        dated = [is_date(field) for field in fields]
         if 3 * sum(dated) >= 2 * len(dated) > 0:
-            dates.append(not _is_date(cell))
+            dates.append(not is_date(cell))
         elif looks_numeric(fields) and not is_missing(cell):
             numbers.append(not is_number(cell))
     for unlike in (dates, numbers):
         if unlike:
             return 2 * sum(unlike) > len(unlike)
-    return not any(is_number(cell) or _is_date(cell) for cell in map(str.strip, top))
+    return not any(is_number(cell) or is_date(cell) for cell in map(str.strip, top))
 
 
 def _is_units(cells: list[str], below: list[list[str]]) -> bool:
@@ -272,11 +273,11 @@ def _is_units(cells: list[str], below: list[list[str]]) -> bool:
     texts = [
         cell.strip()
         for i, cell in enumerate(cells)
-        if looks_numeric(_fields(below, i)) or any(map(_is_date, _fields(below, i, 1)))
+        if looks_numeric(_fields(below, i)) or any(map(is_date, _fields(below, i, 1)))
     ]
     return (
         any(not is_missing(text) for text in texts)
-        and not any(is_number(text) or _is_date(text) for text in texts)
+        and not any(is_number(text) or is_date(text) for text in texts)
         and all(len(text) <= _LONGEST_UNIT for text in texts)
     )
 
@@ -296,4 +297,4 @@ def _is_series(header: tuple[str, ...], below: list[list[str]]) -> bool:
 def _has_times(header: tuple[str, ...], below: list[list[str]]) -> bool:
     """Return whether there is a column of dates or numbers, by which rows can be counted."""
     columns = [_fields(below, i) for i in range(len(header))]
-    return any(looks_numeric(column) or any(map(_is_date, column)) for column in columns)
+    return any(looks_numeric(column) or any(map(is_date, column)) for column in columns)

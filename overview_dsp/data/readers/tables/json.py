@@ -26,7 +26,7 @@ from overview_dsp.data.readers.data_file import DataFile
 from overview_dsp.data.readers.tables.cells import looks_numeric
 from overview_dsp.data.readers.tables.column_names import CHART_LETTERS, NAMES
 from overview_dsp.data.readers.tables.delimited import Lines
-from overview_dsp.data.readers.tables.dialect import encoding_of
+from overview_dsp.data.readers.tables.dialect import encoding_of, is_date
 from overview_dsp.data.readers.tables.table import (
     CHUNK_ROWS,
     CellLocation,
@@ -38,7 +38,6 @@ from overview_dsp.data.readers.tables.table import (
     require_few_columns,
     single_cells,
 )
-from overview_dsp.data.timeline.time_parsing import FORMS, moment
 from overview_dsp.errors import InputError, quoted
 
 
@@ -272,7 +271,7 @@ def _all_rows(rows: Sequence[Any], width: int) -> bool:
 
 
 def _all_dates(keys: Iterable[str]) -> bool:
-    return all(map(_is_date, itertools.islice(keys, _SAMPLE)))
+    return all(map(is_date, itertools.islice(keys, _SAMPLE)))
 
 
 def _of_lists(columns: dict[str, list[Any]]) -> _Shape:
@@ -306,10 +305,6 @@ def _with_first_column(name: str, cells: list[Any], shape: _Shape) -> _Shape:
     return _Shape((name, *shape.names), shape.rows, cut)
 
 
-def _is_date(text: str) -> bool:
-    return moment(text.strip(), *FORMS) is not None and not text.isdigit()
-
-
 def _is_series(table: ColumnTable) -> bool:
     """Return whether a table has a column of numbers and one that looks or is named like times."""
     cells = [table.cut(i, 0, _SAMPLE) for i in range(len(table.columns))]
@@ -318,7 +313,7 @@ def _is_series(table: ColumnTable) -> bool:
     for named, column in zip(table.columns, cells, strict=True):
         if any(word in named.header.lower() for word in NAMES["json_time_parts"]):
             return True
-        if column and all(isinstance(cell, str) and _is_date(cell) for cell in column):
+        if column and all(isinstance(cell, str) and is_date(cell) for cell in column):
             return True
     return False
 
