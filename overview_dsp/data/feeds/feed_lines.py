@@ -26,7 +26,7 @@ from typing import Any
 from overview_dsp import validation
 from overview_dsp.data.analysis.crowd_excitement import derive_intensity
 from overview_dsp.data.feeds.live_timeline import LiveTimeline, checked_duration
-from overview_dsp.data.timeline.event import Event
+from overview_dsp.data.timeline.event import FIELDS, Event
 from overview_dsp.data.timeline.intensity import EXTREMES
 from overview_dsp.data.timeline.model import Timeline
 from overview_dsp.errors import InputError, quoted
@@ -36,7 +36,6 @@ HEADER = "overview_feed"
 KEYS = (HEADER, "event", "detail", "sample", "retract", "clock", "gap", "end")
 
 MAX_LINE_BYTES = 65_536  # maximum length of a line. An event has about 100 bytes
-_EVENT_KEYS = frozenset({"time_s", "kind", "label", "weight"})
 _FURTHER_KEYS = {
     HEADER: {
         "title", "unit", "start", "provenance", "notes", "percentiles", "silence_s",
@@ -216,11 +215,10 @@ def event_of(value: object) -> Event:
     """Return the Event of a feed's object; InputError if a key is unknown or missing."""
     if not isinstance(value, dict):
         raise InputError(f"the event is {quoted(value)}; must be a JSON object {{...}}")
-    unknown = value.keys() - _EVENT_KEYS
+    unknown = value.keys() - {*FIELDS}
     if unknown:
         raise InputError(
-            f"the event has the unknown key {quoted(min(unknown))}; allowed: time_s, kind, label, "
-            "weight"
+            f"the event has the unknown key {quoted(min(unknown))}; allowed: {', '.join(FIELDS)}"
         )
     for key in ("time_s", "kind"):
         if key not in value:

@@ -37,7 +37,7 @@ import numpy as np
 from overview_dsp import validation
 from overview_dsp.data.analysis.series_events import Series, WindowRules, rules_of
 from overview_dsp.data.readers.data_file import DataFile, LoadOptions
-from overview_dsp.data.timeline.event import MAX_EVENTS
+from overview_dsp.data.timeline.event import FIELDS, MAX_EVENTS
 from overview_dsp.data.timeline.gaps import Gaps
 from overview_dsp.data.timeline.intensity import EXTREMES
 from overview_dsp.data.timeline.model import Event, Intensity, Timeline
@@ -57,7 +57,6 @@ _TOP_KEYS = (
 )  # fmt: skip
 _INTENSITY_KEYS = ("time_s", "value", "unit", "percentiles")
 _SERIES_KEYS = ("per_cent", "time_s", "value", "unit")
-_EVENT_KEYS = ("time_s", "kind", "label", "weight")
 
 
 def sniff(source: DataFile) -> bool:
@@ -220,7 +219,7 @@ def _rules(value: object, timeline: Timeline) -> WindowRules:
 
 
 def _row(event: Event) -> str:
-    return _json({name: getattr(event, name) for name in _EVENT_KEYS})
+    return _json({name: getattr(event, name) for name in FIELDS})
 
 
 def _json(value: object) -> str:
@@ -282,7 +281,7 @@ def _events(value: object, duration_s: float, key: str = "events") -> tuple[Even
         )
     for i, entry in enumerate(listed):
         location = f"{key}[{i}]"
-        row = _object(entry, location, _EVENT_KEYS, required=("time_s", "kind"))
+        row = _object(entry, location, FIELDS, required=("time_s", "kind"))
         time_s = validation.number(row["time_s"], f"{location}.time_s", hint)
         if not 0.0 <= time_s <= duration_s:
             raise InputError(f"{location}.time_s is {time_s!r}, outside the timeline; {hint}")

@@ -37,6 +37,9 @@ def rhythm_name(label: str) -> str:
 
 MAX_EVENTS = 500_000  # maximum number of events of a file: they take 400 MB
 
+FIELDS = ("time_s", "kind", "label", "weight")
+"""Names of the values of an event, in files and tables."""
+
 MARK = "mark"  # kind of the marks that a user sets
 
 

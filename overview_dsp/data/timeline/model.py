@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike
 
 from overview_dsp import validation
 from overview_dsp.arrays import BoolArray, FloatArray, IntArray
-from overview_dsp.data.timeline.event import MARK, Event, cut_events, sorted_events
+from overview_dsp.data.timeline.event import FIELDS, MARK, Event, cut_events, sorted_events
 from overview_dsp.data.timeline.gaps import cut_gaps, cut_until, in_gap, sorted_gaps, sorted_reasons
 from overview_dsp.data.timeline.intensity import EXTREMES, LONG, Intensity
 from overview_dsp.data.timeline.notebook import timeline_page
@@ -484,8 +484,7 @@ class Timeline:
             raise InputError(f"part is {quoted(part)}; give 'events' or 'curve'")
         columns: dict[str, Any]
         if part == "events":
-            names = ("time_s", "kind", "label", "weight")
-            columns = {name: [getattr(e, name) for e in self.events] for name in names}
+            columns = {name: [getattr(e, name) for e in self.events] for name in FIELDS}
         else:
             curve = self.intensity
             columns = {

@@ -79,13 +79,10 @@ from overview_dsp.data.readers.tables.time_column import (
     as_number,
     detected_format,
 )
-from overview_dsp.data.timeline.event import MAX_EVENTS
+from overview_dsp.data.timeline.event import FIELDS, MAX_EVENTS
 from overview_dsp.data.timeline.model import Timeline
 from overview_dsp.errors import InputError, quoted
 from overview_dsp.files.atomic import write_file
-
-COLUMNS = ("time_s", "kind", "label", "weight")
-"""Columns of an event list; the first two are required."""
 
 _NOT_FINITE = re.compile(r"[+-]?(nan|inf|infinity|\d+\.?\d*e\+?\d+)", re.ASCII | re.IGNORECASE)
 _SPECIAL = re.compile(r'[",\r\n]')
@@ -290,7 +287,7 @@ def sniff_list(source: DataFile) -> bool:
         return False
     if options.time or options.kind or options.label:
         return False
-    dialect = header_dialect(source.head_text, COLUMNS)
+    dialect = header_dialect(source.head_text, FIELDS)
     names = dialect.header if dialect is not None else ()
     if "kind" not in names or "time_s" in names:
         return "kind" in names
@@ -321,9 +318,9 @@ def decode(text: str, default_title: str = "", duration_s: float | None = None) 
         A column, number, time or kind is invalid or missing, a row is repeated, or an event is
         after the end. The message contains line and column.
     """
-    dialect = header_dialect(text, COLUMNS)
+    dialect = header_dialect(text, FIELDS)
     if dialect is None:
-        raise InputError(f"no header; the first row must have the columns {', '.join(COLUMNS)}")
+        raise InputError(f"no header; the first row must have the columns {', '.join(FIELDS)}")
     _check_header(dialect.header, dialect.first - 1)
     marks = () if dialect.header[0] == "label" else COMMENTS
     table = DelimitedTable(text, replace(dialect, comments=marks))
@@ -361,7 +358,7 @@ def encode(timeline: Timeline) -> bytes:
             "format (.json)"
         )
     title = " ".join(timeline.title.split())
-    lines = [f"# title: {title}", f"# duration_s: {timeline.duration_s!r}", ",".join(COLUMNS)]
+    lines = [f"# title: {title}", f"# duration_s: {timeline.duration_s!r}", ",".join(FIELDS)]
     for event in timeline.events:
         label = event.label
         if _SPECIAL.search(label):  # the csv module does not quote a single carriage return
@@ -400,15 +397,15 @@ def _described(description: ListDescription, table: Table) -> ListDescription:
 
 
 def _check_header(names: Sequence[str], line: int) -> None:
-    known = f"columns: {', '.join(COLUMNS)}"
+    known = f"columns: {', '.join(FIELDS)}"
     for number, name in enumerate(names, start=1):
-        if name not in COLUMNS:
+        if name not in FIELDS:
             raise InputError(
                 f"line {line}, column {number}: unknown column {quoted(name)}; {known}"
             )
         if names.index(name) != number - 1:
             raise InputError(f"line {line}, column {number}: '{name}' is repeated; {known}")
-    for name in COLUMNS[:2]:
+    for name in FIELDS[:2]:
         if name not in names:
             raise InputError(f"line {line}: the header has no column '{name}'; {known}")
 

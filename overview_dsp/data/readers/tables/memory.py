@@ -23,7 +23,7 @@ from overview_dsp.arrays import FloatArray
 from overview_dsp.data.readers.tables.column_roles import is_price
 from overview_dsp.data.readers.tables.table import CellLocation, Cells, Column, ColumnTable, as_list
 from overview_dsp.data.readers.tables.time_column import detected_format
-from overview_dsp.data.timeline.event import Event
+from overview_dsp.data.timeline.event import FIELDS, Event
 from overview_dsp.errors import InputError, quoted
 from overview_dsp.installation import require_library
 
@@ -52,9 +52,6 @@ MemoryFile = bytes | bytearray | memoryview | IO[bytes] | IO[str]
 
 TimelineData = str | os.PathLike[str] | MemoryFile | TableData
 """Types that `load_timeline` accepts, in addition to Timeline."""
-
-EVENT_COLUMNS = ("time_s", "kind", "label", "weight")
-"""Names of the values of an event tuple."""
 
 _SAMPLE = 50
 _MAX_CHANNELS = 8
@@ -220,7 +217,7 @@ def _of_sequence(data: list[Any]) -> list[tuple[str, InputColumn]]:
 
 
 def _of_events(events: Sequence[Event]) -> list[tuple[str, InputColumn]]:
-    return [(name, of_list([getattr(e, name) for e in events])) for name in EVENT_COLUMNS]
+    return [(name, of_list([getattr(e, name) for e in events])) for name in FIELDS]
 
 
 def _of_records(records: Sequence[Mapping[Any, Any]]) -> list[tuple[str, InputColumn]]:
@@ -234,8 +231,8 @@ def _of_rows(rows: Sequence[Sequence[Any]]) -> list[tuple[str, InputColumn]]:
     width = max(map(len, rows))
     if below and _is_header(head, below[0]):
         names, rows = list(head), below
-    elif 2 <= width <= len(EVENT_COLUMNS) and all(_is_event(row) for row in rows[:_SAMPLE]):
-        names = list(EVENT_COLUMNS[:width])
+    elif 2 <= width <= len(FIELDS) and all(_is_event(row) for row in rows[:_SAMPLE]):
+        names = list(FIELDS[:width])
         rows = [(*row, *("", 1.0)[len(row) - 2 : width - 2]) for row in rows]
         if not all(isinstance(row[0], int | float) for row in rows[:_SAMPLE]):
             names[0] = "time"
@@ -266,7 +263,7 @@ def _is_text(row: Sequence[Any]) -> bool:
 def _is_event(row: Sequence[Any]) -> bool:
     """Return whether a row is a time and a kind, with or without label and weight."""
     return (
-        2 <= len(row) <= len(EVENT_COLUMNS)
+        2 <= len(row) <= len(FIELDS)
         and isinstance(row[1], str)
         and bool(row[1][:1].isalpha())
         and (len(row) < 3 or isinstance(row[2], str | None))
