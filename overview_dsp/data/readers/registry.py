@@ -66,6 +66,9 @@ BUNDLED: dict[str, str] = {
 }
 """Names and files of the bundled timelines."""
 
+_BUNDLED_NAMES = ", ".join(BUNDLED)
+_OR_BUNDLED = f", or use a bundled name ({_BUNDLED_NAMES})"
+
 MIN_SOUND_RATE = 8000.0
 """Rate from which samples in memory are a sound, Hz."""
 
@@ -173,7 +176,7 @@ def load_timeline(
         return _of_memory(data, times, options)
     if times is not None:
         raise InputError("time names a column of a file; time lists are only for data in memory")
-    with opened(data, options, _or_bundled()) as source:
+    with opened(data, options, _OR_BUNDLED) as source:
         require_no_other_document(source)
         candidate, options = _format_of(source), source.options
         taken = candidate.options | LIMITS
@@ -281,7 +284,7 @@ def _of_memory(data: object, times: object, options: LoadOptions) -> Timeline:
     if isinstance(data, ColumnTable):
         table = data
     else:
-        _require_table(data, f"not a path, data or a bundled name ({_bundled_names()})")
+        _require_table(data, f"not a path, data or a bundled name ({_BUNDLED_NAMES})")
         if times is not None:
             _require_table(times, "not a column of times")
         table = table_of(data, times)
@@ -355,7 +358,7 @@ def list_matches(
     """
     if os.fspath(path) in BUNDLED:
         return ()
-    with opened(path, _checked(options or LoadOptions()), _or_bundled()) as source:
+    with opened(path, _checked(options or LoadOptions()), _OR_BUNDLED) as source:
         candidate = _format_of(source)
         with _located(source):
             return tuple(candidate.matches(source)) if candidate.matches is not None else ()
@@ -364,19 +367,9 @@ def list_matches(
 def bundled_timeline(name: str = "world-cup-final-2018") -> Timeline:
     """Load a bundled timeline; InputError lists their names."""
     if name not in BUNDLED:
-        raise InputError(
-            f"no bundled timeline is called {quoted(name)}; there is {_bundled_names()}"
-        )
+        raise InputError(f"no bundled timeline is called {quoted(name)}; there is {_BUNDLED_NAMES}")
     data = (resources.files("overview_dsp.data.readers") / "bundled" / BUNDLED[name]).read_bytes()
     return native.decode(parse_json(decode_text(data, name), name), name)
-
-
-def _bundled_names() -> str:
-    return ", ".join(BUNDLED)
-
-
-def _or_bundled() -> str:
-    return f", or use a bundled name ({_bundled_names()})"
 
 
 def _checked(options: LoadOptions) -> LoadOptions:
