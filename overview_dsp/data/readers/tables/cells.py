@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 
 from overview_dsp.arrays import FloatArray
+from overview_dsp.data.readers.tables.column_names import NAMES
 from overview_dsp.data.readers.tables.table import CellLocation, Cells, Head
 from overview_dsp.data.readers.tables.text_cells import TextCells
 from overview_dsp.data.timeline.curve_points import MAX_VALUE
@@ -181,11 +182,7 @@ def looks_numeric(cells: Iterable[Any]) -> bool:
     return any(found) and 3 * sum(found) >= 2 * len(found)
 
 
-TOKENS = frozenset(
-    {"", ".", "..", "...", "-", "--", "---", "–", "—", "?", "*", "m", "na", "n/a", "#n/a", "n.a."}
-    | {"#na", "#n/a n/a", "<na>", "nan", "-nan", "nat", "nil", "none", "null", "missing", "\\n"}
-    | {"#value!", "#ref!", "#div/0!", "no data", "nodata", "unavailable", "unknown"}
-)
+TOKENS = frozenset(NAMES["missing_values"])
 """Cells that mean "no value", in lower case, without surrounding blanks."""
 
 SENTINELS = (-99.0, -99.9, -99.99, -999.0, -999.9, -999.99, -9999.0, -9999.9, -99999.0, -32768.0)

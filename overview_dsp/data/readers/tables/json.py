@@ -73,11 +73,6 @@ MAX_WIDTH = 64
 
 _MAX_KEYS, _MAX_ENTRIES = 1000, 10
 _SAMPLE = 50
-_SHAPES = (
-    "Topology", "Point", "MultiPoint", "LineString", "MultiLineString", "Polygon", "MultiPolygon",
-    "GeometryCollection",
-)  # fmt: skip
-"""Types of the objects of maps that hold positions."""
 
 
 @dataclass(frozen=True)
@@ -112,7 +107,7 @@ def other_document(document: Any) -> str:
     kind = document.get("type")
     if kind == "Topology":
         return "a map (TopoJSON)"
-    if kind in (*_SHAPES, "Feature", "FeatureCollection"):
+    if kind in (*NAMES["map_shapes"], "Feature", "FeatureCollection"):
         return "a map (GeoJSON)"
     if any(isinstance(document.get(key), list) for key in ("links", "edges")):
         return "a graph (nodes and links)" if "nodes" in document else ""
@@ -121,7 +116,7 @@ def other_document(document: Any) -> str:
 
 def _tables(value: Any, path: str, depth: int, units: dict[str, str]) -> Iterator[ColumnTable]:
     found = None
-    if isinstance(value, dict) and value.get("type") in _SHAPES:
+    if isinstance(value, dict) and value.get("type") in NAMES["map_shapes"]:
         return  # positions are pairs of numbers, too
     features = value.get("features") if isinstance(value, dict) else None
     if isinstance(features, list) and value.get("type") == "FeatureCollection":
