@@ -20,7 +20,6 @@ warning.
 from __future__ import annotations
 
 import re
-from bisect import bisect_left, bisect_right
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime, timedelta
 
@@ -230,15 +229,13 @@ class Zoom:
 
     def next_event_s(self, moment_s: float) -> float | None:
         """Return the time of the first event after a moment, s; None after the last."""
-        times = [event.time_s for event in self.timeline.events]
-        index = bisect_right(times, moment_s)
-        return times[index] if index < len(times) else None
+        times = (event.time_s for event in self.timeline.events)
+        return min((time_s for time_s in times if time_s > moment_s), default=None)
 
     def previous_event_s(self, moment_s: float) -> float | None:
         """Return the time of the last event before a moment, s; None before the first."""
-        times = [event.time_s for event in self.timeline.events]
-        index = bisect_left(times, moment_s)
-        return times[index - 1] if index else None
+        times = (event.time_s for event in self.timeline.events)
+        return max((time_s for time_s in times if time_s < moment_s), default=None)
 
     def showing(self, moment_s: float) -> Zoom:
         """Return this window if it contains a moment, else one of equal width around it."""
