@@ -264,21 +264,16 @@ def _lesser(series: Series, turns: _Turns, taken: Collection[float]) -> Iterator
     tops = set(turns.found[1.0][0].tolist()) if turns.found else set()
     order = np.lexsort((-change, -size))
     count = 0
-    for k, at, prominence, moved in zip(
-        order.tolist(),
-        series.time_s[order].tolist(),
-        size[order].tolist(),
-        change[order].tolist(),
-        strict=True,
-    ):
-        if count == _LESSER or not (prominence > 0.0 or moved > 0.0):
+    for k in order.tolist():
+        at, height, moved = float(series.time_s[k]), float(size[k]), float(change[k])
+        if count == _LESSER or not (height > 0.0 or moved > 0.0):
             break
         if at in taken:
             continue
-        if prominence > 0.0:
+        if height > 0.0:
             kind = "peak" if k in tops else "trough"
             words = f"{kind} {series.value_text(k)}"
-            weight = max(_LIGHTEST, math.sqrt(prominence / largest[0]))
+            weight = max(_LIGHTEST, math.sqrt(height / largest[0]))
         else:
             kind = "largest_rise" if series.step[k] > 0.0 else "largest_fall"
             words = _step_text(series, k)
