@@ -79,8 +79,7 @@ class Map:
                     f"{self.name}:difference"
                 )
         elif self.name == "volatility":
-            if self.argument:
-                self.window()
+            self.window()
         elif self.argument:
             raise InputError(f"map {self.name} takes no argument; remove the colon")
 

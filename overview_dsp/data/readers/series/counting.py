@@ -127,12 +127,9 @@ def _since_window_start(first: float, span: float, start: datetime | None) -> fl
         return first % span
     midnight = start.replace(hour=0, minute=0, second=0, microsecond=0)
     seconds_of_day = (start - midnight).total_seconds()
-    if span < _DAY:
-        since = seconds_of_day % span
-    elif span % (7 * _DAY) == 0.0:
-        since = seconds_of_day + start.weekday() * _DAY
-    else:
-        since = seconds_of_day
+    since = seconds_of_day % span if span < _DAY else seconds_of_day
+    if span % (7 * _DAY) == 0.0:
+        since += start.weekday() * _DAY
     # no window before the first day of the calendar
     earliest = datetime.min.replace(tzinfo=start.tzinfo) + timedelta(days=1)
     return since if start - earliest > timedelta(seconds=since) else 0.0
