@@ -16,9 +16,9 @@ from urllib.parse import urlsplit
 from overview_dsp.data.feeds.feed_lines import MAX_LINE_BYTES
 from overview_dsp.data.feeds.sources import (
     CHUNK_BYTES,
-    CLOSE_TIMEOUT_S,
     LostError,
     Received,
+    Source,
     is_feed,
 )
 from overview_dsp.data.readers.registry import load_timeline
@@ -56,7 +56,7 @@ MAX_MESSAGE_BYTES = 16 << 20
 
 
 @dataclass
-class Http:
+class Http(Source):
     """URL of server-sent events, or of any other file, which is requested repeatedly.
 
     `every_s`: interval of the requests, s; None: 30 for a live service, else 1. Longer waits that a
@@ -65,7 +65,6 @@ class Http:
 
     name: str
     every_s: float | None = None
-    close_timeout_s: float = CLOSE_TIMEOUT_S
     _tag: str | None = field(default=None, init=False)
     _last_id: str | None = field(default=None, init=False)
 
@@ -176,11 +175,10 @@ class Http:
 
 
 @dataclass
-class WebSocket:
+class WebSocket(Source):
     """URL of a WebSocket whose messages are lines of a feed."""
 
     name: str
-    close_timeout_s: float = CLOSE_TIMEOUT_S
 
     def read(self) -> Iterator[Received]:
         """Yield the messages."""

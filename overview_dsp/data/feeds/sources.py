@@ -52,7 +52,7 @@ class Source(Protocol):
     """Source of a live timeline; `close_timeout_s` is the time in which it closes, s."""
 
     name: str
-    close_timeout_s: float
+    close_timeout_s: float = CLOSE_TIMEOUT_S
 
     def read(self) -> Iterator[Received]:
         """Connect and yield the data; LostError, or InputError if a retry is useless."""
@@ -91,7 +91,7 @@ def _is_json(data: bytes) -> bool:
 
 
 @dataclass
-class GrowingFile:
+class GrowingFile(Source):
     """Path of a file that grows. A feed is read on; any other file is read again when it changes.
 
     A missing file is waited for. A file that is replaced or truncated is read from its start;
@@ -99,7 +99,6 @@ class GrowingFile:
     """
 
     name: str
-    close_timeout_s: float = CLOSE_TIMEOUT_S
 
     def read(self) -> Iterator[Received]:
         """Yield the content of the file, then its changes."""
@@ -172,12 +171,11 @@ class GrowingFile:
 
 
 @dataclass
-class Stream:
+class Stream(Source):
     """Byte stream, such as standard input or a pipe."""
 
     stream: BinaryIO
     name: str = "standard input"
-    close_timeout_s: float = CLOSE_TIMEOUT_S
 
     def read(self) -> Iterator[bytes]:
         """Yield the bytes until the end of the stream."""
@@ -253,7 +251,7 @@ class LoudnessMonitor:
 
 
 @dataclass
-class Sound:
+class Sound(Source):
     """Sound as blocks of samples: its loudness and cheers.
 
     `open_blocks` returns the rate (Hz), the number of channels, and float blocks of samples.
