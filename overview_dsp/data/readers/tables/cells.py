@@ -139,17 +139,13 @@ class NumberColumn:
                 return float(cell)
             except OverflowError:
                 return math.inf
-        found = parse(cell.strip(), self.decimal_mark) if isinstance(cell, str) else None
-        if (
-            found is None
-            and isinstance(cell, str)
-            and (parts := _SIXTIETHS.fullmatch(cell.strip()))
-        ):
+        text = cell.strip() if isinstance(cell, str) else ""
+        found = parse(text, self.decimal_mark)
+        if found is None and (parts := _SIXTIETHS.fullmatch(text)):
             found = sum(float(part or 0) / 60.0**n for n, part in enumerate(parts.groups())), ""
         if found is None:
             other, name = (",", "point") if self.decimal_mark == "." else (".", "comma")
-            swapped = isinstance(cell, str) and parse(cell.strip(), other) is not None
-            hint = f" with a decimal {name}" if swapped else ""
+            hint = f" with a decimal {name}" if parse(text, other) is not None else ""
             raise locate(i).error(
                 cell, f"isn't a number{hint}; correct it, or leave it empty if there is no value"
             )
