@@ -197,15 +197,12 @@ class ParquetTable(Table):
         require_few_columns(len(schema))
         types = arrow.types
         # nested columns (lists, structures) are left out
-        fields = [
-            (i, field)
-            for i, field in enumerate(schema)
-            if not types.is_nested(field.type) and schema.names.count(field.name) == 1
-        ]
-        self._names = [field.name for _, field in fields]
+        flat = (field for field in schema if not types.is_nested(field.type))
+        fields = [field for field in flat if schema.names.count(field.name) == 1]
+        self._names = [field.name for field in fields]
         self.columns = tuple(
             replace(Column.of(field.name), zoned=types.is_timestamp(field.type) and field.type.tz)
-            for _, field in fields
+            for field in fields
         )
         if not fields:
             raise InputError("no flat columns; a series is a table of times and values")
