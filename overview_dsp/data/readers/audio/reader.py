@@ -34,14 +34,15 @@ from overview_dsp.data.timeline.gaps import in_gap
 from overview_dsp.data.timeline.model import Intensity, Timeline
 from overview_dsp.errors import InputError, quoted
 
-MAPS = ("loudness", "momentary", "excitement")
-"""Values of the option `map`."""
-
-_MEANINGS = {
-    "loudness": ("LUFS", "short-term loudness (3 s)"),
-    "momentary": ("LUFS", "momentary loudness (0.4 s)"),
-    "excitement": ("LU", "loudness over 1 s above the background of two minutes"),
+_CURVES = {
+    "loudness": (SHORT_TERM_STEPS, "LUFS", "short-term loudness (3 s)"),
+    "momentary": (MOMENTARY_STEPS, "LUFS", "momentary loudness (0.4 s)"),
+    "excitement": (None, "LU", "loudness over 1 s above the background of two minutes"),
 }
+"""Window in steps (None: above the background), unit and meaning of each map."""
+
+MAPS = tuple(_CURVES)
+"""Values of the option `map`."""
 
 
 def sniff(source: DataFile) -> bool:
@@ -112,13 +113,9 @@ def timeline_of(
         raise InputError("no sample is a number; record the sound again")
     above = cheers.excitement(loudness_1s, cheers.background(loudness_1s, integrated))
     events = cheers.peaks(above, time_s)
-    value = {
-        "loudness": lambda: steps.loudness(SHORT_TERM_STEPS),
-        "momentary": lambda: steps.loudness(MOMENTARY_STEPS),
-        "excitement": lambda: above,
-    }[map_name]()
+    window, unit, meaning = _CURVES[map_name]
+    value = above if window is None else steps.loudness(window)
     known = ~np.isnan(value) & ~in_gap(gaps, time_s)
-    unit, meaning = _MEANINGS[map_name]
     if steps.lost:
         notes = (*notes, f"{steps.lost} single samples are missing and were omitted")
     notes = (
