@@ -156,14 +156,8 @@ def beat_events(beats: Beats, gaps: Gaps) -> tuple[list[Event], tuple[str, ...]]
         hidden = beats.hidden is not None and bool(beats.hidden[i])
         if not hidden and _lacks_a_beat(part_of_usual, i):
             expected = float(beats.time_s[i] - interval[i] + usual[i])
-            others.append(
-                Event(
-                    expected,
-                    MISSED,
-                    f"{interval[i]:.2f} s without a beat, {ratio:.1f} times the usual",
-                    math.log2(ratio),
-                )
-            )
+            words = f"{interval[i]:.2f} s without a beat, {ratio:.1f} times the usual"
+            others.append(Event(expected, MISSED, words, math.log2(ratio)))
     return _limited(ordinary, others)
 
 

@@ -138,12 +138,9 @@ def find_events(series: Series, duration_s: float) -> tuple[list[Event], list[st
     turn_events = _prominent(series, turns, extremes, duration_s)
     crossing_events, crossing_note = _crossings(series)
     events += [*turn_events, *_moves(series), *crossing_events]
-    events += [
-        series.event(
-            "split", split.index, f"{split.ratio} split to {series.value_text(split.index)}"
-        )
-        for split in series.splits
-    ]
+    for split in series.splits:
+        words = f"{split.ratio} split to {series.value_text(split.index)}"
+        events.append(series.event("split", split.index, words))
     notes = []
     if turn_events:
         least = turns.least_text(series)

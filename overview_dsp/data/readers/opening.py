@@ -193,13 +193,9 @@ def _unpacked(source: DataFile, packed: str, folder: Path) -> DataFile:
     target = folder / ("data" if name in ("", ".", "..") else name)
     if target == source.path:  # of an archive in an archive
         target = folder / f"{name}.csv"
+    beyond = f"{where}: unpacks to more than the {limit_mb:g} MB that are read"
     try:
-        size = _write(
-            target,
-            _READERS[packed](source),
-            limit_mb,
-            f"{where}: unpacks to more than the {limit_mb:g} MB that are read",
-        )
+        size = _write(target, _READERS[packed](source), limit_mb, beyond)
     except InputError:  # a ValueError too
         raise
     except EOFError as error:
