@@ -53,7 +53,7 @@ from overview_dsp.data.readers.football.minutes import (
     check_minute,
     parse_minute,
 )
-from overview_dsp.data.readers.football.vocabulary import is_sentence, meaning, normalize_terms
+from overview_dsp.data.readers.football.vocabulary import has, is_sentence, meaning, normalize_terms
 from overview_dsp.data.readers.tables import column_names
 from overview_dsp.data.readers.tables.delimited import records
 from overview_dsp.data.readers.tables.dialect import header_dialect
@@ -82,9 +82,6 @@ _ROWS_CHECKED = 50
 _PERIOD_KINDS = ("period", "half_end", "match_end")  # other tables have starts and ends, too
 _NOT_SPECIFIC = ("", *_PERIOD_KINDS)
 _COLOURS = frozenset({"red", "yellow", "p", "pen", "g", "second yellow card"})
-_FOOTBALL = re.compile(
-    r"substitut|^sub$|corner|offside|throw in|free kick|goal kick|penalty|\bvar\b|tackle|assist"
-)
 _YES = frozenset({"true", "t", "1", "1.0", "yes", "y", "x", "og", "pen", "p"})
 _NO = frozenset({"", "false", "f", "0", "0.0", "no", "n", "na", "nan", "none", "null", "-"})
 _NONE = frozenset({"", "na", "n/a", "nan", "none", "null", "-"})
@@ -330,7 +327,7 @@ def _with_kinds(
     named = {names[0] for key, names in columns.items() if key not in texts}
     for name in rows[0] if rows else ():
         cells = [kind for fields in rows if (kind := normalize_terms(fields[name]))]
-        football = [kind for kind in cells if _is_specific(kind) or _FOOTBALL.search(kind)]
+        football = [kind for kind in cells if _is_specific(kind) or has("football", kind)]
         others = [k for k in cells if meaning(k, "", own=False, penalty=False)[0] in _PERIOD_KINDS]
         is_clear = any(_is_specific(kind) and kind not in _COLOURS for kind in football)
         if name not in named and is_clear and 2 * len({*football, *others}) > len({*cells}):
@@ -454,7 +451,7 @@ def _has_football_kinds(head: str, columns: dict[str, list[str]], timed: str) ->
             if specific and has_sides and "kind" in columns and _is_minute(fields[timed]):
                 return True
             has_stoppage |= "+" in fields[timed] and _is_minute(fields[timed])
-            is_football = specific or bool(_FOOTBALL.search(kind))
+            is_football = specific or has("football", kind)
             football += is_football and _is_minute(fields[timed], allows_numbers)
             other += not specific
     except InputError:  # the reader reports the error

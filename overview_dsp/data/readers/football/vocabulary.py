@@ -32,7 +32,7 @@ _ONLY_ALONE = ("goal", "gol contra")
 _CAMEL = re.compile(r"(?<=[a-z])(?=[A-Z])")
 
 
-def _has(name: str, text: str) -> bool:
+def has(name: str, text: str) -> bool:
     """Return whether a text has one of the patterns of this name."""
     return _PATTERNS[name].search(text) is not None
 
@@ -95,31 +95,29 @@ def meaning(kind: str, details: str, *, own: bool, penalty: bool) -> tuple[str, 
         the end of a period, "" for all other texts.
     """
     both = f"{kind} {details}".strip()
-    if _has("cancelled", both) and not _has("card", kind):
+    if has("cancelled", both) and not has("card", kind):
         return "", "cancelled"
-    if _has("shoot_out", both):
+    if has("shoot_out", both):
         return "", "shoot-out"
     card = _card(kind, details)
     if card is not None:
         return card
-    is_penalty = penalty or bool(
-        _PATTERNS["penalty"].fullmatch(kind) or _has("penalty_named", both)
-    )
-    if is_penalty and _has("missed", both) and "own goal" not in both:
+    is_penalty = penalty or bool(_PATTERNS["penalty"].fullmatch(kind) or has("penalty_named", both))
+    if is_penalty and has("missed", both) and "own goal" not in both:
         return "near_miss", "penalty missed" if "saved" not in both else "penalty saved"
-    is_own = own or _has("own", both)
+    is_own = own or has("own", both)
     if is_own or _is_goal(kind, details, is_penalty):
-        if _has("no_goal", both):
+        if has("no_goal", both):
             return "", "cancelled"
         return ("own_goal", "") if is_own else ("goal", "pen" if is_penalty else "")
-    if _has("post", both):
+    if has("post", both):
         return "near_miss", "on the post"
-    if _has("saved", kind) or (_has("shot", kind) and re.search(r"\bsaved\b|on target", details)):
+    if has("saved", kind) or (has("shot", kind) and re.search(r"\bsaved\b|on target", details)):
         return "near_miss", "saved"
-    if _has("chance", both):
+    if has("chance", both):
         return "near_miss", ""
-    if re.match(r"fouls?\b|hand ?ball|free kick conceded", kind) or _has("fouled", kind):
-        suffered = _has("suffered", both) or details == "successful"
+    if re.match(r"fouls?\b|hand ?ball|free kick conceded", kind) or has("fouled", kind):
+        suffered = has("suffered", both) or details == "successful"
         return ("", "suffered") if suffered else ("foul", "")
     return _period_kind(kind, both), ""
 
@@ -127,15 +125,15 @@ def meaning(kind: str, details: str, *, own: bool, penalty: bool) -> tuple[str, 
 def _card(kind: str, details: str) -> tuple[str, str] | None:
     both = f"{kind} {details}".strip()
     if not (
-        any(_has(name, kind) for name in ("card", "red", "yellow", "second_yellow"))
-        or _has("card", details)
+        any(has(name, kind) for name in ("card", "red", "yellow", "second_yellow"))
+        or has("card", details)
     ):
         return None
-    if _has("second_yellow", both):
+    if has("second_yellow", both):
         return "red_card", "second yellow"
-    if _has("red", both):
+    if has("red", both):
         return "red_card", ""
-    return ("yellow_card", "") if _has("yellow", both) else None
+    return ("yellow_card", "") if has("yellow", both) else None
 
 
 def _is_goal(kind: str, details: str, is_penalty: bool) -> bool:
@@ -145,23 +143,23 @@ def _is_goal(kind: str, details: str, is_penalty: bool) -> bool:
     if _PATTERNS["goal"].fullmatch(bare) or _PATTERNS["goal"].fullmatch(kind):
         return True
     if kind.startswith("goal scored ") or (
-        _PATTERNS["scores"].match(kind) and not _has("missed", kind)
+        _PATTERNS["scores"].match(kind) and not has("missed", kind)
     ):
         return True
     said = details if not kind.startswith("penalty kick ") else f"{kind} {details}"
-    if is_penalty and _has("converted", said):
+    if is_penalty and has("converted", said):
         return True
     if is_penalty and (
         _PATTERNS["penalty"].fullmatch(kind) or bare in ("scored", "converted", "in")
     ):
         return True
-    return _has("shot", kind) and bool(re.search(r"\bgoal\b|\bscored\b", details))
+    return has("shot", kind) and bool(re.search(r"\bgoal\b|\bscored\b", details))
 
 
 def _period_kind(kind: str, both: str) -> str:
     for text in (kind, both):
-        if _has("half_end", text):
+        if has("half_end", text):
             return "half_end"
-        if _has("match_end", text):
+        if has("match_end", text):
             return "match_end"
-    return "period" if _has("period", kind) else ""
+    return "period" if has("period", kind) else ""
