@@ -133,6 +133,13 @@ def instance(value: object, kind: type[T], what: str, hint: str) -> T:
     return value
 
 
+def of_type(value: object, kind: type[T], what: str, allowed: str) -> T:
+    """Return a value of a document if it has a type; InputError with the allowed ones otherwise."""
+    if not isinstance(value, kind) or isinstance(value, bool):
+        raise InputError(f"{what} is {quoted(value)}; must be {allowed}")
+    return value
+
+
 def instances(values: object, kind: type[T], what: str, hint: str) -> list[T]:
     """Return instances of `kind` as a list; InputError names the first other value."""
     if isinstance(values, str | bytes | Mapping) or not isinstance(values, Iterable):

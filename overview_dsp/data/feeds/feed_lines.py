@@ -201,8 +201,8 @@ def _apply_header(live: LiveTimeline, version: object, line: Mapping[str, Any]) 
 
 def _description(line: Mapping[str, Any]) -> dict[str, Any]:
     notes = line.get("notes")
-    if notes is not None and not isinstance(notes, list):
-        raise InputError(f"notes is {quoted(notes)}; must be a list of strings")
+    if notes is not None:
+        validation.of_type(notes, list, "notes", "a list of strings")
     return {"title": _text(line, "title"), "provenance": _text(line, "provenance"), "notes": notes}
 
 
@@ -213,8 +213,7 @@ def _text(line: Mapping[str, Any], key: str) -> str | None:
 
 def event_of(value: object) -> Event:
     """Return the Event of a feed's object; InputError if a key is unknown or missing."""
-    if not isinstance(value, dict):
-        raise InputError(f"the event is {quoted(value)}; must be a JSON object {{...}}")
+    value = validation.of_type(value, dict, "the event", "a JSON object {...}")
     unknown = value.keys() - {*FIELDS}
     if unknown:
         raise InputError(

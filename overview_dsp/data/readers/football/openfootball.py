@@ -51,7 +51,7 @@ from overview_dsp.data.readers.football.match_timeline import (
 )
 from overview_dsp.data.readers.football.minutes import Clock, Minute, check_minute, parse_minute
 from overview_dsp.data.timeline.model import Timeline
-from overview_dsp.errors import InputError, quoted
+from overview_dsp.errors import InputError
 
 PROVENANCE = (
     "goals: an openfootball file, each in the middle of its minute (within 30 s of the match clock)"
@@ -86,6 +86,7 @@ _GOAL = re.compile(
     r"(\d{1,3})\s*['’]?(?:\s*\+\s*(\d{1,2}))?\s*['’](?:\s*\(\s*(o\.?\s?g\.?|p(?:en)?\.?)\s*\))?"
 )
 
+_OBJECT = "an object {...}"
 Pair = tuple[int, int]
 
 
@@ -261,12 +262,9 @@ def _goals(match: _Match, team: int) -> Iterator[tuple[Minute, dict[str, object]
     listed = match.raw.get(key)
     if listed is None:
         return
-    if not isinstance(listed, list):
-        raise InputError(f"{key} is {quoted(listed)}; must be a list [...]")
-    for i, entry in enumerate(listed):
+    for i, entry in enumerate(validation.of_type(listed, list, key, "a list [...]")):
         location = f"{key}[{i}]"
-        if not isinstance(entry, dict):
-            raise InputError(f"{location} is {quoted(entry)}; must be an object {{...}}")
+        validation.of_type(entry, dict, location, _OBJECT)
         yield _minute(entry, location), entry, location
 
 
@@ -274,30 +272,23 @@ def _minute(entry: dict[str, object], location: str) -> Minute:
     value, offset = entry.get("minute"), entry.get("offset")
     if isinstance(value, str):
         minute = parse_minute(value, f"{location}.minute")
-    elif type(value) is not int:
-        raise InputError(
-            f"{location}.minute is {quoted(value)}; must be a whole number, such as 38 or 90"
-        )
     else:
-        minute = Minute(value)
+        allowed = "a whole number, such as 38 or 90"
+        minute = Minute(validation.of_type(value, int, f"{location}.minute", allowed))
     if offset is not None and offset != 0:
         if isinstance(offset, str) and offset.strip().isascii() and offset.strip().isdigit():
             offset = int(offset.strip()[:18])
-        if type(offset) is not int:
-            raise InputError(f"{location}.offset is {quoted(offset)}; must be a number of minutes")
-        minute = Minute(minute.base, offset)
+        added = validation.of_type(offset, int, f"{location}.offset", "a number of minutes")
+        minute = Minute(minute.base, added)
     check_minute(minute.base, minute.added, location)
     return minute
 
 
 def _matches(document: object) -> list[_Match]:
-    if not isinstance(document, dict):
-        raise InputError(f"the document is {quoted(document)}; must be an object {{...}}")
     found = []
-    for raw, round_name, location in _listed(document):
-        if not isinstance(raw, dict):
-            raise InputError(f"{location} is {quoted(raw)}; must be an object {{...}}")
-        found.append(_Match(raw, _text(raw, "round", round_name), location))
+    for raw, name, location in _listed(validation.of_type(document, dict, "the document", _OBJECT)):
+        match = validation.of_type(raw, dict, location, _OBJECT)
+        found.append(_Match(match, _text(match, "round", name), location))
     return found
 
 

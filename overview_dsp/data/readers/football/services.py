@@ -17,6 +17,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
+from overview_dsp import validation
 from overview_dsp.data.readers.data_file import DataFile, LoadOptions
 from overview_dsp.data.readers.football.match_timeline import (
     ACTIONS,
@@ -57,7 +58,8 @@ class _Part:
     @classmethod
     def of(cls, raw: object, location: str) -> _Part:
         """Return an object, empty for null; InputError for another type."""
-        return cls(_typed({} if raw is None else raw, dict, "an object {...}", location), location)
+        part = {} if raw is None else raw
+        return cls(validation.of_type(part, dict, location, "an object {...}"), location)
 
     def part(self, key: str) -> _Part:
         """Return an object in this one."""
@@ -68,7 +70,7 @@ class _Part:
         value, location = self.raw.get(key), f"{self.location}.{key}"
         if value is None:
             return None
-        listed = _typed(value, list, "a list [...]", location)
+        listed = validation.of_type(value, list, location, "a list [...]")
         return [self.of(one, f"{location}[{i}]") for i, one in enumerate(listed)]
 
     def text(self, key: str) -> str:
@@ -82,7 +84,9 @@ class _Part:
         if type(value) is str and text.isascii() and text.isdigit():
             return int(text[:18])
         location = f"{self.location}.{key}"
-        return None if value is None else _typed(value, int, "a whole number", location)
+        if value is None:
+            return None
+        return validation.of_type(value, int, location, "a whole number")
 
     def pair(self, *keys: str) -> Pair | None:
         """Return the numbers of both teams; None if one is missing."""
@@ -96,12 +100,6 @@ class _Part:
             return None
         check_minute(number, more, f"{self.location}.{base}")
         return Minute(number, more or None)
-
-
-def _typed(value: Any, kind: type, allowed: str, location: str) -> Any:
-    if not isinstance(value, kind) or isinstance(value, bool):
-        raise InputError(f"{location} is {quoted(value)}; must be {allowed}")
-    return value
 
 
 @dataclass(frozen=True)

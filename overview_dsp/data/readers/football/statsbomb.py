@@ -162,9 +162,8 @@ def decode(document: object, default_title: str = "") -> Timeline:
     InputError
         A record is invalid. The message contains its number and id: `event 123 (id ...): ...`.
     """
-    if not isinstance(document, list):
-        raise InputError(f"the document is {quoted(document)}; must be a list of events")
-    records = [Record.parse(raw, i) for i, raw in enumerate(document, start=1)]
+    listed = validation.of_type(document, list, "the document", "a list of events")
+    records = [Record.parse(raw, i) for i, raw in enumerate(listed, start=1)]
     played = sorted(
         (record for record in records if record.period != SHOOT_OUT),
         key=lambda record: (record.period, record.clock_us),
@@ -364,10 +363,9 @@ class Record:
     clock_us: int
 
     @classmethod
-    def parse(cls, raw: object, number: int) -> Record:
+    def parse(cls, value: object, number: int) -> Record:
         """Return the record of a JSON object; the InputError contains its number."""
-        if not isinstance(raw, dict):
-            raise InputError(f"event {number}: is {quoted(raw)}; must be an object {{...}}")
+        raw = validation.of_type(value, dict, f"event {number}:", "an object {...}")
         id_, period, kind = raw.get("id"), raw.get("period"), _name(raw, "type")
         team, player = _name(raw, "team") or "", _name(raw, "player") or ""
         id_ = id_ if isinstance(id_, str) else ""

@@ -79,9 +79,8 @@ class _Event:
     tags: frozenset[int]
 
     @classmethod
-    def parse(cls, raw: object, location: str) -> _Event:
-        if not isinstance(raw, dict):
-            raise InputError(f"{location}: is {quoted(raw)}; must be an object {{...}}")
+    def parse(cls, value: object, location: str) -> _Event:
+        raw = validation.of_type(value, dict, f"{location}:", "an object {...}")
         with validation.prefix_errors(f"{location}: "):
             period = raw.get("matchPeriod")
             if not isinstance(period, str) or period not in _PERIODS:
