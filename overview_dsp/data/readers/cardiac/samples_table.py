@@ -203,13 +203,8 @@ def read(source: DataFile, options: LoadOptions) -> Timeline:
             duration_s = len(values) / rate
             if detection.lost:
                 notes = (*notes, f"{detection.lost} single samples are missing")
-            description = Description(
-                source.stem,
-                duration_s,
-                f"{detection.what}, {signal.name} at {rate:.6g} Hz; beats found in it{origin}",
-                notes,
-                start,
-            )
+            found = f"{detection.what}, {signal.name} at {rate:.6g} Hz; beats found in it"
+            description = Description(source.stem, duration_s, found + origin, notes, start)
             gaps = find_gaps(detection.silent, detection.noisy, rate, duration_s)
             beats = beats_of(detection, rate)
             return heart_timeline(description, beats, gaps, (), options, signal)
