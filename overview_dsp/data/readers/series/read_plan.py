@@ -137,9 +137,7 @@ def make_read_plan(table: Table, options: LoadOptions, name: str = "") -> ReadPl
         found = column_named(table.columns, mapping.argument)
         assert found is not None  # checked in Map.of
         mapped = found
-    columns = [value]
-    if mapped != value:
-        columns.append(mapped)
+    columns = list(dict.fromkeys((value, mapped)))
     if value_type.kind == "share":
         beside = price_columns(table.columns).values()
         columns += dict.fromkeys(i for i in beside if i not in (*columns, *time.columns))
