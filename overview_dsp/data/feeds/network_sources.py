@@ -86,6 +86,7 @@ class Http(Source):
                     yield from self._events(response)
                     raise LostError("the stream has ended")
                 data = _body(response)
+            wait_s = _required_wait_s(response.headers, every_s)
             tag = response.headers.get("ETag") or response.headers.get("Last-Modified")
             if is_feed(data):
                 yield from _parts(data if data.endswith(b"\n") else data[: data.rfind(b"\n") + 1])
@@ -94,16 +95,14 @@ class Http(Source):
                     timeline = load_timeline(data)
                 except InputError as error:
                     # the file may be incomplete, so it is requested again
-                    raise LostError(
-                        f"{error}", _required_wait_s(response.headers, every_s)
-                    ) from None
+                    raise LostError(f"{error}", wait_s) from None
                 yield timeline
                 if in_progress and timeline.known_until_s is None:
                     yield b'{"end": %r}\n' % timeline.duration_s
                     return
                 in_progress = timeline.known_until_s is not None
             self._tag = tag
-            yield from _wait(_required_wait_s(response.headers, every_s))
+            yield from _wait(wait_s)
 
     def _request(self, header: str, variable: str, every_s: float) -> Any:
         """Return the response, None if unchanged; `header` and `variable` of the key may be ""."""
