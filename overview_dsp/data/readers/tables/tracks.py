@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 from array import array
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
 from xml.parsers import expat
@@ -58,12 +58,7 @@ def open_table(source: DataFile) -> ColumnTable:
     times = array("d")
     columns = {name: array("d") for name in ("lat", "lon", "speed", *_COLUMNS)}
     timeless = 0
-    points = (
-        _fit_points(source)
-        if _is_fit(source)
-        else _points(source.xml_text, source.options.report_progress)
-    )
-    for point in points:
+    for point in _fit_points(source) if _is_fit(source) else _xml_points(source):
         moment = point.pop("time", None)
         if moment is None or not math.isfinite(moment):
             timeless += 1
@@ -126,8 +121,9 @@ def _is_empty(values: NDArray[Any]) -> bool:
     return values.dtype.kind == "f" and bool(np.isnan(values).all())
 
 
-def _points(text: str, progress: Callable[[float], None]) -> Iterator[dict[str, float]]:
+def _xml_points(source: DataFile) -> Iterator[dict[str, float]]:
     """Yield the values of each point; InputError for XML that is broken or nested too deep."""
+    text = source.xml_text
     reader = _Reader()
     parser = expat.ParserCreate()
     parser.buffer_text = True
@@ -137,7 +133,7 @@ def _points(text: str, progress: Callable[[float], None]) -> Iterator[dict[str, 
     try:
         for begin in range(0, len(text), _PIECE):
             parser.Parse(text[begin : begin + _PIECE], False)
-            progress(min(1.0, (begin + _PIECE) / len(text)) / 2.0)
+            source.options.report_progress(min(1.0, (begin + _PIECE) / len(text)) / 2.0)
             yield from reader.pop_points()
         parser.Parse("", True)
     except expat.ExpatError as error:
