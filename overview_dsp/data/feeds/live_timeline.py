@@ -280,10 +280,8 @@ class LiveTimeline:
             )
         validation.text(reason, "reason")
         with self._lock:
-            if (
-                self._reported_gaps.get((start, end)) != reason
-                and len(self._reported_gaps) < MAX_CHANGES
-            ):
+            is_new = self._reported_gaps.get((start, end)) != reason
+            if is_new and len(self._reported_gaps) < MAX_CHANGES:
                 self._reported_gaps[start, end] = reason
                 self._clock_s = max(self._clock_s, end)
                 self._record_revision()

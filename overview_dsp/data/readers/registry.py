@@ -179,8 +179,7 @@ def load_timeline(
     with opened(data, options, _OR_BUNDLED) as source:
         require_no_other_document(source)
         candidate, options = _format_of(source), source.options
-        taken = candidate.options | LIMITS
-        _refuse_options(options, f"{source.where}: {candidate.name}", taken)
+        _refuse_options(options, f"{source.where}: {candidate.name}", candidate.options | LIMITS)
         with _located(source):
             timeline = candidate.read(source, options)
         notes = (*source.notes, *([READ_AS_WINDOWS] if source.encoding == WINDOWS else []))

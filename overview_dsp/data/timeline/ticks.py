@@ -115,10 +115,8 @@ def window_ticks(
     `halves`: halves of a match on the timeline, whose minutes become ticks.
     """
     if halves and start is None:
-        return _finest(
-            ((s, partial(_match_minutes, halves, s, from_s, duration_s)) for s in _CLOCK_S),
-            duration_s,
-        )
+        found = ((s, partial(_match_minutes, halves, s, from_s, duration_s)) for s in _CLOCK_S)
+        return _finest(found, duration_s)
     return _chosen(_CLOCK_S if start is None else _DATED_S, start, from_s, duration_s)
 
 

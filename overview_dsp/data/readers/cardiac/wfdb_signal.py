@@ -157,10 +157,8 @@ def signal_of(header: Header, selector: str | None) -> RecordSignal | JoinedSign
         raise InputError(
             f"{header.where}: the record has no samples; write its number of samples in line 1"
         )
-    if (
-        header.frames is None
-        and frames * sum(one.per_frame for one in header.signals) > MAX_UNSIZED_SAMPLES
-    ):
+    samples = frames * sum(one.per_frame for one in header.signals)
+    if header.frames is None and samples > MAX_UNSIZED_SAMPLES:
         raise InputError(
             f"{header.where}: line 1 has no length, which a record of this size requires; write "
             f"{frames} after the rate"

@@ -308,11 +308,8 @@ class Rows:
                 return
             numbers = None
             if reader.line_num - first + 1 != len(rows):
-                numbers = list(
-                    itertools.accumulate(
-                        (1 + sum(map(_line_ends, row)) for row in rows[:-1]), initial=first
-                    )
-                )
+                heights = (1 + sum(map(_line_ends, row)) for row in rows[:-1])
+                numbers = list(itertools.accumulate(heights, initial=first))
             yield first, numbers, rows
             first = reader.line_num + 1
 
