@@ -443,6 +443,83 @@ def test_datagrams_of_a_client_made_by_hand_move_the_disk(running, number):
     OscPort(str(number)).close()  # given back
 
 
+def at(engine, theta2):
+    """Whether the hand that holds the disk is there."""
+    held = engine.active_input
+    return held is not None and held[1] == pytest.approx(theta2, abs=1e-6)
+
+
+def test_two_osc_senders_are_two_inputs_and_the_earlier_gets_the_disk_back(running, number):
+    hand = ControllerInput(running, "osc", lambda: OscPort(str(number)), OscReader)
+    first, second = (socket.socket(socket.AF_INET, socket.SOCK_DGRAM) for _ in range(2))
+    try:
+        to = ("127.0.0.1", number)
+        first.sendto(message("/overview/theta2", 2.0, 1), to)
+        until(lambda: at(running, 2.0))
+        second.sendto(message("/overview/theta2", 1.0, 1), to)
+        until(lambda: at(running, 1.0))
+        assert f"127.0.0.1:{second.getsockname()[1]}: 57°, touching" in hand.status_text
+        first.sendto(message("/overview/theta2", 2.5), to)  # moves, but doesn't hold
+        time.sleep(0.1)
+        assert at(running, 1.0)
+        second.sendto(message("/overview/touch", 0), to)
+        until(lambda: at(running, 2.5))
+        assert f"127.0.0.1:{first.getsockname()[1]}: 143°, touching" in hand.status_text
+        first.sendto(message("/overview/theta2", 2.5, 0), to)
+        until(lambda: running.active_input is None)
+    finally:
+        first.close()
+        second.close()
+        hand.close()
+
+
+def test_commands_with_a_new_socket_each_are_one_input(running, number):
+    """As `oscsend` sends: touches, moves, and releases."""
+    hand = ControllerInput(running, "osc", lambda: OscPort(str(number)), OscReader)
+
+    def send(*words):
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as one:
+            one.sendto(message(*words), ("127.0.0.1", number))
+
+    try:
+        for turn in range(2):
+            for theta2 in (0.5, 1.0, 1.5, 2.0):
+                send("/overview/theta2", theta2 + 0.1 * turn, 1)
+                until(lambda: at(running, theta2 + 0.1 * turn))  # noqa: B023
+            send("/overview/theta2", 2.1, 0)
+            until(lambda: running.active_input is None)
+            send("/overview/touch", 1)
+            until(lambda: running.active_input is not None)
+            send("/overview/theta2", 0.7 + turn)
+            until(lambda: at(running, 0.7 + turn))  # noqa: B023
+            send("/overview/touch", 0)
+            until(lambda: running.active_input is None)
+    finally:
+        hand.close()
+
+
+def test_two_midi_channels_are_two_inputs_and_the_screen_names_the_one_that_holds(running):
+    port = MadePort()
+    hand = ControllerInput(
+        running, "midi", lambda: port, lambda counters: MidiReader(counters=counters)
+    )
+    try:
+        for value in (*range(0, 120, 10), 127):  # a bend wheel, whose turn touches
+            port.put(bytes([0xE0, 0, 64 + value // 2]))
+            time.sleep(0.01)
+        until(lambda: running.active_input is not None)
+        assert "bend" in hand.status_text
+        first = hand.status_text.split(": ")[1]
+        for value in (*range(0, 60, 6), 64):
+            port.put(bytes([0xE4, 0, 64 + value // 2]))
+            time.sleep(0.01)
+        until(lambda: hand.status_text.split(": ")[1] != first)
+        assert "/1" in first
+        assert "/5" in hand.status_text.split(": ")[1]
+    finally:
+        hand.close()
+
+
 @pytest.mark.parametrize(
     "text", ["", "x", "0", "70000", "1:2:x", ":9000", "no.such.host.invalid:9"]
 )

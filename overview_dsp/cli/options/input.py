@@ -37,9 +37,6 @@ MAX_BAUD, MIN_BAUD = 4_000_000, 300
 
 SILENT_BATCHES_S = 2.0  # longest silence of an app that posts batches, s
 
-SILENT_OSC_S = 5.0
-"""Silence after which an OSC sender counts as released (UDP has no connection), s."""
-
 FORCE_BLOCK = 128
 """Default block size with a motor, frames: 375 torque updates per second at 48 kHz."""
 
@@ -228,7 +225,7 @@ def _smooth_s(source: str, parts: dict[str, str]) -> float:
 
 def _osc(kind: str, where: str, parts: dict[str, str]) -> Callable[[Player], Input]:
     from overview_dsp.devices.controllers.control_map import load_osc_map
-    from overview_dsp.devices.controllers.osc_messages import OscReader
+    from overview_dsp.devices.controllers.osc_messages import SILENT_S, OscReader
     from overview_dsp.live.inputs.controllers import ControllerInput
     from overview_dsp.live.ports.osc import OscPort, parse_address
 
@@ -241,7 +238,7 @@ def _osc(kind: str, where: str, parts: dict[str, str]) -> Callable[[Player], Inp
         kind,
         lambda: OscPort(where),
         lambda counters: OscReader(counters, controls),
-        SILENT_OSC_S,
+        SILENT_S,
         player.queue_command,
         smooth_s,
     )

@@ -123,23 +123,24 @@ class PositionControl:
     """A control for a position on the timeline, with an optional touch message.
 
     Before the first touch message it sends `AngleChanged`; afterwards the touch alone decides.
+    `touching` is None before it.
     """
 
     def __init__(self, name: str) -> None:
         self._name = name
         self._theta2 = 0.0
-        self._touching: bool | None = None
+        self.touching: bool | None = None
 
     def set_angle(self, theta2: float) -> list[Message]:
         """Return the messages of a change to theta2 (rad)."""
         self._theta2 = theta2
-        if self._touching is None:
+        if self.touching is None:
             return [AngleChanged(self._name, theta2)]
-        return [TouchStarted(self._name, theta2)] if self._touching else []
+        return [TouchStarted(self._name, theta2)] if self.touching else []
 
     def set_touching(self, touching: bool) -> list[Message]:
         """Return the messages of a touch or a release."""
-        before, self._touching = self._touching, touching
+        before, self.touching = self.touching, touching
         if touching:
             return [] if before else [TouchStarted(self._name, self._theta2)]
         return [] if before is False else [TouchEnded(self._name)]

@@ -36,11 +36,13 @@ class MidiReader:
         """Convert the messages of `controls`; `counters` may be those of an earlier reader."""
         self.counters = Counters() if counters is None else counters
         self._controls = controls
-        self._assigned = AssignedControls({one: f"{one.name}/{one.channel}" for one in controls})
+        # a map without channels gives each channel the same controls, which are inputs of their own
+        self._by_channel = not any(one.channel for one in controls)
+        self._assigned: dict[int, AssignedControls] = {}
         self._coarse: dict[tuple[int, int], int] = {}
         self._fine: set[tuple[int, int]] = set()
         self._pending: dict[tuple[int, int], float] = {}
-        self._relative_positions: dict[Control, float] = {}
+        self._relative_positions: dict[tuple[Control, int], float] = {}
 
     def read(self, data: bytes, time_s: float) -> list[Message]:
         """Return the controller messages of one whole MIDI message."""
@@ -82,6 +84,15 @@ class MidiReader:
     def _matching(self, kind: str, number: int, channel: int) -> list[Control]:
         return [one for one in self._controls if one.matches(kind, number, channel)]
 
+    def _assigned_to(self, channel: int) -> AssignedControls:
+        """Return the controls of a channel (1 to 16), or of all if the map names channels."""
+        owner = channel if self._by_channel else 0
+        if owner not in self._assigned:
+            self._assigned[owner] = AssignedControls(
+                {one: f"{one.name}/{one.channel or owner}" for one in self._controls}
+            )
+        return self._assigned[owner]
+
     def _unknown(self) -> list[Message]:
         self.counters.unknown += 1
         return []
@@ -93,7 +104,7 @@ class MidiReader:
         messages: list[Message] = []
         for one in controls:
             if one.to != TAPS:
-                messages += self._assigned.messages(one, float(down))
+                messages += self._assigned_to(channel).messages(one, float(down))
                 continue
             name = f"key {channel}/{number}"
             position = (number - one.number) / (one.highest - one.number)
@@ -106,7 +117,7 @@ class MidiReader:
             return [TouchEnded()] if number in (SOUND_OFF, NOTES_OFF) else self._unknown()
         controls = self._matching("cc", number, channel)
         if any(one.relative for one in controls):
-            return [message for one in controls for message in self._stepped(one, value)]
+            return [message for one in controls for message in self._stepped(one, value, channel)]
         if controls:
             key = (channel, number)
             self._coarse[key] = value
@@ -126,19 +137,21 @@ class MidiReader:
         controls = self._matching(kind, number, channel)
         if not controls:
             return self._unknown()
-        return [message for one in controls for message in self._assigned.messages(one, position)]
+        assigned = self._assigned_to(channel)
+        return [message for one in controls for message in assigned.messages(one, position)]
 
-    def _stepped(self, control: Control, value: int) -> list[Message]:
+    def _stepped(self, control: Control, value: int, channel: int) -> list[Message]:
         """Return the messages of a control whose value is a step since the previous message."""
         if not control.relative:
-            return self._assigned.messages(control, value / 127.0)
+            return self._assigned_to(channel).messages(control, value / 127.0)
         step = step_of(value, control.relative) / control.steps
         step = -step if control.reverse else step
         if control.to != THETA2:
             return [StepParameter(control.to, step, control.low, control.high)]
-        position = min(max(self._relative_positions.get(control, 0.0) + step, 0.0), 1.0)
-        self._relative_positions[control] = position
-        return self._assigned.messages(control, position)
+        at = (control, channel if self._by_channel else 0)
+        position = min(max(self._relative_positions.get(at, 0.0) + step, 0.0), 1.0)
+        self._relative_positions[at] = position
+        return self._assigned_to(channel).messages(control, position)
 
 
 def step_of(value: int, relative: str) -> int:

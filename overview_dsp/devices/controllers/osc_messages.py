@@ -142,12 +142,36 @@ PREFIX = "/overview/"
 COMMANDS = ("record", "replay", "preset", "window", "mark", "unmark", "name-mark")
 """Names of requests that are neither movement nor parameter."""
 
+SILENT_S = 5.0  # time without messages of a sender after which its touch ends
+MAX_SENDERS = 32  # known senders; more forget the earliest
+
 ROUNDING = 1e-4
 """Distance beyond an end that single precision may cause, rad; it isn't counted as clamped."""
 
 
+class _Sender:
+    """Controls of one sender, named by its address `host:port`; `latest` is its latest address.
+
+    `repeated`: whether an address of it has sent twice, as a program with one socket does.
+    """
+
+    def __init__(self, address: str, controls: tuple[OscControl, ...]) -> None:
+        self.latest = address
+        self.repeated = False
+        self.received_at_s = -math.inf
+        self.position = PositionControl(f"theta2 {address}".strip())
+        self.assigned = AssignedControls(
+            {one: f"{one.address} {address}".strip() for one in controls}
+        )
+
+
 class OscReader(Messages):
-    """Converts OSC datagrams."""
+    """Converts OSC datagrams. Each sender is an input of its own.
+
+    Programs such as `oscsend` have a new address for each message. So an unknown address belongs to
+    the latest sender of its host none of whose addresses has sent twice, unless it begins a second
+    touch. A release by it ends all touches of such senders.
+    """
 
     def __init__(
         self, counters: Counters | None = None, controls: tuple[OscControl, ...] = ()
@@ -155,9 +179,8 @@ class OscReader(Messages):
         """Convert own messages and those of `controls`, which are of other programs."""
         super().__init__()
         self.counters = Counters() if counters is None else counters
-        self._position = PositionControl("theta2")
         self._controls = controls
-        self._assigned = AssignedControls({one: one.address for one in controls})
+        self._senders: list[_Sender] = []  # the latest is last
         self._device = OscDevice(tuple(one for one in controls if one.to in SENSED))
 
     def read(self, data: bytes, time_s: float) -> list[Message]:
@@ -170,48 +193,104 @@ class OscReader(Messages):
         return [
             converted
             for address, values in messages
-            for converted in self._convert(address, values, time_s)
+            for converted in self._convert(address, values, time_s, getattr(data, "sender", ""))
         ]
 
     def tick(self, time_s: float) -> list[Message]:
-        """Return no messages: OSC has no delayed ones."""
-        return []
+        """Return the ends of touches whose sender is silent: UDP has no connections."""
+        ended: list[Message] = []
+        for one in self._senders:
+            if one.position.touching and time_s - one.received_at_s > SILENT_S:
+                ended += one.position.set_touching(False)
+                self.say(f"{one.latest}: no messages for {SILENT_S:g} s; its touch has ended")
+        return ended
 
-    def _convert(self, address: str, values: Sequence[Any], time_s: float) -> list[Message]:
+    def _sender(self, address: str, begins_touch: bool, time_s: float) -> _Sender:
+        """Return the sender to whom an address belongs, and note that it has sent at `time_s`."""
+        found = self._sender_at(address, begins_touch)
+        found.latest, found.received_at_s = address, time_s
+        return found
+
+    def _sender_at(self, address: str, begins_touch: bool) -> _Sender:
+        for one in self._senders:
+            if one.latest == address:
+                one.repeated = True
+                return one
+        host = address.rpartition(":")[0]
+        known = [
+            one
+            for one in self._senders
+            if not one.repeated and one.latest.rpartition(":")[0] == host
+        ]
+        touching = [one for one in known if one.position.touching]
+        # of two touches each came from an address that has sent once: a third moves the latest one
+        if known and not (begins_touch and len(touching) == 1):
+            return (touching or known)[-1]
+        if len(self._senders) == MAX_SENDERS:
+            idle = (one for one in self._senders if not one.position.touching)
+            self._senders.remove(next(idle, self._senders[0]))
+        self._senders.append(_Sender(address, self._controls))
+        return self._senders[-1]
+
+    def _convert(
+        self, address: str, values: Sequence[Any], time_s: float, sender: str
+    ) -> list[Message]:
         controls = [one for one in self._controls if one.matches(address)]
         if not controls and not address.startswith(PREFIX):
             self.counters.unknown += 1
             return []
         try:
             if controls:
-                found = [one for control in controls for one in self._by(control, values, time_s)]
+                assigned = self._sender(sender, False, time_s).assigned
+                found = [
+                    one
+                    for control in controls
+                    for one in self._by(control, values, time_s, assigned)
+                ]
             else:
-                found = self._own_message(address.removeprefix(PREFIX), values)
+                found = self._own_message(address.removeprefix(PREFIX), values, sender, time_s)
         except InputError as error:
             self._reject(f"{address}: {error}")
             return []
         self.counters.messages += 1
         return found
 
-    def _own_message(self, name: str, values: Sequence[Any]) -> list[Message]:
+    def _own_message(
+        self, name: str, values: Sequence[Any], sender: str, time_s: float
+    ) -> list[Message]:
         if name == "theta2":
             if len(values) not in (1, 2):
                 raise InputError("must have an angle, and may have a touch")
             angle = self._angle(values[0])
             if len(values) == 2:
-                return self._position.set_both(angle, _flag(values[1]))
-            return self._position.set_angle(angle)
+                return self._touch(_flag(values[1]), sender, time_s, angle)
+            return self._sender(sender, False, time_s).position.set_angle(angle)
         if name in COMMANDS:
             return [Command((name, *map(_argument, values)))]
         if len(values) != 1:
             raise InputError(f"must have one value; {len(values)} were sent")
         if name == "touch":
-            return self._position.set_touching(_flag(values[0]))
+            return self._touch(_flag(values[0]), sender, time_s)
         if not isinstance(values[0], bool | int | float | str):
             raise InputError("the value must be a number, a text, true or false")
         return [SetParameter(name.replace("/", "."), values[0])]
 
-    def _by(self, control: OscControl, values: Sequence[Any], time_s: float) -> Sequence[Message]:
+    def _touch(
+        self, touching: bool, address: str, time_s: float, theta2: float | None = None
+    ) -> list[Message]:
+        sender = self._sender(address, touching, time_s)
+        if theta2 is None:
+            found = sender.position.set_touching(touching)
+        else:
+            found = sender.position.set_both(theta2, touching)
+        if not (touching or sender.repeated):
+            others = (one for one in self._senders if one.position.touching and not one.repeated)
+            found += [message for one in others for message in one.position.set_touching(False)]
+        return found
+
+    def _by(
+        self, control: OscControl, values: Sequence[Any], time_s: float, assigned: AssignedControls
+    ) -> Sequence[Message]:
         """Return the messages for another program's control."""
         if control.to in SENSED:
             angles = self._device.step(control, [_number(one) for one in values], time_s)
@@ -224,7 +303,7 @@ class OscReader(Messages):
         position = (_number(values[control.value - 1]) - first) / (last - first)
         clamped = min(max(position, 0.0), 1.0)
         self.counters.clamped += abs(clamped - position) > ROUNDING
-        return self._assigned.messages(control, clamped)
+        return assigned.messages(control, clamped)
 
     def _angle(self, value: object) -> float:
         if isinstance(value, bool) or not isinstance(value, int | float):

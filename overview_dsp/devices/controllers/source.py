@@ -44,6 +44,11 @@ class ControllerSource:
         """True while it holds the disk; `tick` should then be called often."""
         return bool(self._holding)
 
+    @property
+    def holder(self) -> str:
+        """Name of the control or touch that holds the disk; empty if none does."""
+        return self._holding[-1] if self._holding else ""
+
     def move(
         self,
         message: AngleChanged | TouchStarted | TouchEnded,

@@ -129,7 +129,8 @@ class ControllerInput(ThreadedInput):
         if self._port is None:
             state = self.GONE
         elif self._source.holding:
-            state = f"{180.0 * self._source.theta2 / HALF_TURN:.0f}°, touching"
+            degrees = 180.0 * self._source.theta2 / HALF_TURN
+            state = f"{self._source.holder}: {degrees:.0f}°, touching"
         return self._line(state, vars(self.counters))
 
     def _source_report(self) -> dict[str, Any]:

@@ -12,7 +12,7 @@ from collections.abc import Callable
 
 from overview_dsp.devices.controllers.osc_messages import OscReport, require_osc
 from overview_dsp.errors import InputError
-from overview_dsp.live.ports.port import Port
+from overview_dsp.live.ports.port import Datagram, Port
 from overview_dsp.signal.engine.engine import Engine
 
 HOST = "127.0.0.1"
@@ -63,7 +63,10 @@ class OscPort(Port):
         found: list[bytes] = []
         while len(found) < MAX_DATAGRAMS:
             try:
-                found.append(self._socket.recv(MAX_DATAGRAM_BYTES))
+                data, address = self._socket.recvfrom(MAX_DATAGRAM_BYTES)
+                datagram = Datagram(data)
+                datagram.sender = f"{address[0]}:{address[1]}"
+                found.append(datagram)
             except BlockingIOError:
                 break
             except OSError:  # Windows reports an earlier answer that wasn't delivered

@@ -16,6 +16,12 @@ class PortLostError(OverviewError):
     """Error of a device that is disconnected, or whose driver has failed."""
 
 
+class Datagram(bytes):
+    """Message with the address of its sender, for example `192.168.1.7:9001`."""
+
+    sender = ""
+
+
 class Port(Protocol):
     """Connection to a device, which sends bytes or messages and may receive bytes.
 

@@ -90,7 +90,7 @@ def test_a_coarse_half_without_a_fine_half_is_used_after_5_ms():
 def test_an_assigned_control_32_above_is_not_taken_for_a_fine_half():
     reader = MidiReader((Control("cc", 1), Control("cc", 33, to="tactor.gain_db")))
     assert read(reader, change(1, 127), change(33, 127)) == [
-        AngleChanged("cc 1/0", math.pi), ScaleParameter("tactor.gain_db", 1.0)
+        AngleChanged("cc 1/1", math.pi), ScaleParameter("tactor.gain_db", 1.0)
     ]  # fmt: skip
     assert read(reader, change(1, 0))[0].theta2 == 0.0
 

@@ -45,6 +45,50 @@ def test_an_angle_alone_is_turned():
     assert reader.counters.messages == 2
 
 
+class Sent(bytes):
+    sender = ""
+
+
+def sent(sender, *words):
+    one = Sent(message(*words))
+    one.sender = sender
+    return one
+
+
+def test_a_silent_sender_no_longer_touches_while_another_still_does():
+    """A client that has crashed must not get the disk back when another one releases it."""
+    reader = OscReader()
+    for time_s in (0.0, 0.1):
+        reader.read(sent("10.0.0.1:1", "/overview/theta2", 1.0, 1), time_s)
+    for time_s in (1.0, 2.0, 3.0, 4.0, 5.0):
+        reader.read(sent("10.0.0.2:1", "/overview/theta2", 2.0, 1), time_s)
+        assert reader.tick(time_s) == []
+    assert reader.tick(5.2) == [TouchEnded("theta2 10.0.0.1:1")]
+    assert reader.take_messages() == ("10.0.0.1:1: no messages for 5 s; its touch has ended",)
+    assert reader.tick(5.3) == []
+    reader.read(sent("10.0.0.1:1", "/overview/theta2", 1.1), 6.0)
+    (began,) = reader.read(sent("10.0.0.1:1", "/overview/theta2", 1.1, 1), 6.0)
+    assert began == TouchStarted("theta2 10.0.0.1:1", pytest.approx(1.1))
+
+
+def test_any_number_of_senders_is_survived_and_each_touch_ends():
+    reader = OscReader()
+    held = set()
+    for number in range(400):
+        address = f"10.0.{number // 200}.{number % 200}:9"
+        for words in (
+            ("/overview/theta2", 1.0, 1),
+            ("/overview/theta2", 1.1),
+            ("/overview/touch", 0),
+        ):
+            for move in reader.read(sent(address, *words), 0.01 * number):
+                if isinstance(move, TouchStarted):
+                    held.add(move.touch_id)
+                else:
+                    held.discard(move.touch_id)
+        assert not held
+
+
 def test_once_a_touch_was_said_it_decides_alone():
     reader = OscReader()
     moves = read(
