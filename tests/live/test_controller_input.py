@@ -28,7 +28,7 @@ from overview_dsp.live.ports.osc import OscOut, OscPort
 from overview_dsp.live.ports.port import PortLostError
 from overview_dsp.live.session.player import Player
 from overview_dsp.live.session.presets import PresetWatch
-from tests.devices.controllers.osc_bytes import message, messages
+from tests.devices.controllers.osc_bytes import bundle, message, messages
 
 
 class MadePort:
@@ -470,6 +470,48 @@ def test_two_osc_senders_are_two_inputs_and_the_earlier_gets_the_disk_back(runni
     finally:
         first.close()
         second.close()
+        hand.close()
+
+
+@pytest.mark.parametrize("block", [64, 256, 1024])
+def test_time_tags_keep_their_spacing_to_the_sample(engine, number, block):
+    """Bundles whose time is a block and 10 ms ahead, sent unevenly, in real time."""
+    stream = NullStream(engine, block)
+    stream.start()
+    hand = ControllerInput(engine, "osc", lambda: OscPort(str(number)), OscReader)
+    random = np.random.default_rng(1)
+    ahead_s = block / engine.sample_rate + 0.01
+    sent, taken = [], []
+    try:
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as client:
+            for n in range(150):
+                due_s = time.time() + ahead_s
+                one = message("/overview/theta2", 0.5 + 0.01 * n, 1)
+                client.sendto(bundle(one, seconds=due_s), ("127.0.0.1", number))
+                sent.append(due_s)
+                time.sleep(random.uniform(0.004, 0.012))
+            until(lambda: at(engine, 0.5 + 0.01 * 149))
+            applied, _ = engine.pop_applied(0)
+            taken = applied["sample"][applied["touching"] == 1]
+    finally:
+        hand.close()
+        stream.close()
+    assert len(taken) == 150
+    late = taken - engine.sample_rate * (np.array(sent) - sent[0])
+    late = late[20:]
+    drift = np.polyval(np.polyfit(np.arange(len(late)), late, 1), np.arange(len(late)))
+    assert np.abs(late - drift).max() <= 1.5
+
+
+def test_a_time_tag_far_ahead_applies_at_once_and_says_so(running, number):
+    hand = ControllerInput(running, "osc", lambda: OscPort(str(number)), OscReader)
+    try:
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as client:
+            one = message("/overview/theta2", 1.0, 1)
+            client.sendto(bundle(one, seconds=time.time() + 60.0), ("127.0.0.1", number))
+            until(lambda: at(running, 1.0))
+        said(hand, "time tags more than 10 s ahead apply at once")
+    finally:
         hand.close()
 
 

@@ -84,6 +84,14 @@ class Command:
     arguments: tuple[str, ...]
 
 
+@dataclass(frozen=True)
+class Due:
+    """A movement that applies at a time, s of the monotonic clock."""
+
+    time_s: float
+    movement: AngleChanged | TouchStarted | TouchEnded
+
+
 Message = (
     AngleChanged
     | TouchStarted
@@ -92,6 +100,7 @@ Message = (
     | ScaleParameter
     | StepParameter
     | Command
+    | Due
 )
 
 

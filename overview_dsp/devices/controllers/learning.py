@@ -219,7 +219,7 @@ class OscLearner:
             messages = decode_packet(data)
         except InputError:
             return
-        for address, values in messages:
+        for address, values, _ in messages:
             if len(self._counts) < MAX_CONTROLS:
                 self._counts[address] = len(values)
             if self._to == DEVICE and address in self._counts and all(map(_is_number, values)):

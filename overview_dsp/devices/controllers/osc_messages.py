@@ -27,6 +27,7 @@ from __future__ import annotations
 
 import logging
 import math
+import time
 from collections.abc import Iterable, Sequence
 from typing import Any
 
@@ -37,9 +38,12 @@ from overview_dsp.devices.controllers.control_messages import (
     AssignedControls,
     Command,
     Counters,
+    Due,
     Message,
     PositionControl,
     SetParameter,
+    TouchEnded,
+    TouchStarted,
 )
 from overview_dsp.devices.messages import Messages
 from overview_dsp.devices.sensors.angles import Angle, make_angle
@@ -114,14 +118,21 @@ def _not_from_osc(record: logging.LogRecord) -> bool:
     return "pythonosc" not in record.pathname
 
 
-def decode_packet(data: bytes) -> list[tuple[str, Sequence[Any]]]:
-    """Return the messages (address, values) of a datagram in order of time; InputError."""
+def decode_packet(data: bytes) -> list[tuple[str, Sequence[Any], float]]:
+    """Return the messages of a datagram in order of time; InputError.
+
+    Each has an address, values, and the time at which it applies, s since 1970; 0: at once.
+    """
     from pythonosc.osc_packet import OscPacket
 
     if len(data) % 4:  # python-osc would fill up a cut number with zeros
         raise InputError(f"{len(data)} bytes are not OSC; the length must be a multiple of 4")
     try:
-        return [(one.message.address, one.message.params) for one in OscPacket(data).messages]
+        messages = OscPacket(data).messages
+        return [
+            (one.message.address, one.message.params, one.time if one.time > time.time() else 0.0)
+            for one in messages
+        ]
     # a damaged datagram makes the decoder raise many kinds of errors
     except Exception as error:
         reason = (str(error).splitlines() or [type(error).__name__])[0][:80]
@@ -142,6 +153,8 @@ PREFIX = "/overview/"
 COMMANDS = ("record", "replay", "preset", "window", "mark", "unmark", "name-mark")
 """Names of requests that are neither movement nor parameter."""
 
+CLOCK_STEP_S = 1e-3  # smaller changes of the offset are errors of its measurement
+LATEST_S = 10.0  # longest time ahead of a time tag
 SILENT_S = 5.0  # time without messages of a sender after which its touch ends
 MAX_SENDERS = 32  # known senders; more forget the earliest
 
@@ -180,6 +193,7 @@ class OscReader(Messages):
         super().__init__()
         self.counters = Counters() if counters is None else counters
         self._controls = controls
+        self._clock_offset_s = 0.0  # from the monotonic clock to the time since 1970
         self._senders: list[_Sender] = []  # the latest is last
         self._device = OscDevice(tuple(one for one in controls if one.to in SENSED))
 
@@ -190,11 +204,25 @@ class OscReader(Messages):
         except InputError as error:
             self._reject(str(error))
             return []
+        sender = getattr(data, "sender", "")
         return [
             converted
-            for address, values in messages
-            for converted in self._convert(address, values, time_s, getattr(data, "sender", ""))
+            for address, values, due_s in messages
+            for one in self._convert(address, values, time_s, sender)
+            for converted in [self._due(one, due_s)]
         ]
+
+    def _due(self, message: Message, due_s: float) -> Message:
+        """Return a message with the time of its bundle, s since 1970, if it is a movement."""
+        if not due_s or not isinstance(message, AngleChanged | TouchStarted | TouchEnded):
+            return message
+        offset_s = time.time() - time.monotonic()
+        if abs(offset_s - self._clock_offset_s) > CLOCK_STEP_S:  # the system's clock was set
+            self._clock_offset_s = offset_s
+        if due_s - time.time() > LATEST_S:
+            self.say_once(f"time tags more than {LATEST_S:g} s ahead apply at once")
+            return message
+        return Due(due_s - self._clock_offset_s, message)
 
     def tick(self, time_s: float) -> list[Message]:
         """Return the ends of touches whose sender is silent: UDP has no connections."""

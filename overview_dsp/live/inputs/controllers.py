@@ -12,6 +12,8 @@ from overview_dsp.devices.controllers.control_messages import (
     AngleChanged,
     Command,
     Counters,
+    Due,
+    Message,
     ScaleParameter,
     SetParameter,
     SoftTakeover,
@@ -149,11 +151,15 @@ class ControllerInput(ThreadedInput):
         self._process(messages, time.monotonic())
 
     def _process(self, messages: list[bytes], now: float) -> None:
-        moves = [move for data in messages for move in self._reader.read(data, now)]
-        moves += self._reader.tick(now)
+        moves: list[tuple[float, Message]] = []
+        for data in messages:
+            time_s = getattr(data, "time_s", 0.0) or now
+            moves += [(time_s, move) for move in self._reader.read(data, time_s)]
+            self._writer.observe(time_s)
+        moves += [(now, move) for move in self._reader.tick(now)]
         disk = self._writer.disk_state()
         events = []
-        for move in moves:
+        for time_s, move in moves:
             if isinstance(move, AngleChanged) and not self._source.rules.by_rest:
                 self.say_once('a controller can\'t detect taps; set twist.release = "rest"')
             if isinstance(move, Command):
@@ -164,8 +170,11 @@ class ControllerInput(ThreadedInput):
                     if isinstance(move, StepParameter) and isinstance(before, StepParameter):
                         move = replace(move, step=before.step + move.step)
                     self._changes[move.id] = move
+            elif isinstance(move, Due):
+                found = self._source.move(move.movement, time_s, disk)
+                events += [replace(event, due_s=move.time_s) for event in found]
             else:
-                events += self._source.move(move, now, disk)
+                events += self._source.move(move, time_s, disk)
         events += self._source.tick(now, disk)
         for line in self._reader.take_messages():
             self.say_once(line)
@@ -173,7 +182,7 @@ class ControllerInput(ThreadedInput):
             self.say_once("messages arrive too fast; the oldest are discarded and counted")
         if messages:
             self._received_at = now
-            self._writer.observe(now)
+        self._writer.tags.observe(time.monotonic(), self._engine.sample_time)
         self._writer.write(events)
         silent = self._silent_s is not None and now - self._received_at > self._silent_s
         if silent and self._write_release():

@@ -74,6 +74,35 @@ class EventClock:
         return _quantile(order, 0.5), _quantile(order, 0.99)
 
 
+MAX_SLEW = 1e-4
+"""Largest rate at which the samples of time tags follow the output's clock, which drifts less."""
+
+
+class TagClock:
+    """Clock that gives each time the same distance from its sample, whatever the block.
+
+    A tag that is sent a block and 10 ms ahead is in time. The map from times to samples follows the
+    latest blocks so slowly that the spacing of tags is kept to a sample.
+    """
+
+    def __init__(self, sample_rate: float) -> None:
+        """Convert to samples of an engine at `sample_rate`."""
+        self._rate = sample_rate
+        self._seen: deque[float] = deque(maxlen=ARRIVALS_KEPT)
+        self._offset = self._at_s = 0.0
+
+    def observe(self, now_s: float, sample: int) -> None:
+        """Use that the engine has reached `sample` at the time `now_s`."""
+        most = MAX_SLEW * self._rate * (now_s - self._at_s) if self._seen else math.inf
+        self._seen.append(sample - now_s * self._rate)
+        self._offset += min(max(max(self._seen) - self._offset, -most), most)
+        self._at_s = now_s
+
+    def stamp(self, time_s: float) -> int:
+        """Return the sample of a time."""
+        return math.ceil(time_s * self._rate + self._offset)
+
+
 def _quantile(ordered: list[float], part: float) -> float:
     return ordered[min(len(ordered) - 1, int(part * len(ordered)))]
 
@@ -133,6 +162,7 @@ class SourceWriter:
     def restart(self) -> None:
         """Discard the observed arrivals, which don't predict later ones."""
         # for even movement, the highest of the delays is steadier
+        self.tags = TagClock(self._engine.sample_rate)
         self.clock = EventClock(self._engine.sample_rate, 1.0 if self._smooth_s else ON_TIME_SHARE)
         self._observed = False
 
@@ -151,6 +181,8 @@ class SourceWriter:
                 continue
             due_s = event.time_s + self._smooth_s
             stamp = self.clock.stamp(due_s, sample) if self._observed else None
+            if event.due_s is not None:
+                stamp = self.tags.stamp(event.due_s)
             if event.retouch:
                 self._push(event.theta2, False, stamp)
             self._push(event.theta2, event.touching, stamp)

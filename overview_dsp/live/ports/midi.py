@@ -6,6 +6,7 @@ Either library is enough. python-rtmidi has wheels up to Python 3.12, rtmidi2 al
 from __future__ import annotations
 
 import contextlib
+import math
 import os
 import re
 import time
@@ -14,9 +15,10 @@ from typing import Any
 
 from overview_dsp.errors import InputError, OverviewError
 from overview_dsp.installation import install_command
-from overview_dsp.live.ports.port import PortLostError, QueuedPort
+from overview_dsp.live.ports.port import Datagram, PortLostError, QueuedPort
 
 MAX_QUEUED = 4096
+LATE_S = 0.05  # longest time from a message to its arrival here; the clocks differ otherwise
 RTMIDI2_QUEUE = 1024
 RTMIDI2_SYSTEMS = ("API_MACOSX_CORE", "API_LINUX_ALSA", "API_UNIX_JACK", "API_WINDOWS_MM")
 
@@ -46,14 +48,17 @@ class _System:
         names = self._input.get_ports() if self._is_python_rtmidi else self._input.ports
         return [str(name) for name in names]
 
-    def open(self, index: int, take: Callable[[bytes], None]) -> None:
-        """Open a port; `take` is called in a thread of the library."""
+    def open(self, index: int, take: Callable[[bytes, float], None]) -> None:
+        """Open a port; `take` is called in a thread of the library.
+
+        Its arguments are a message and the time since the message before, s.
+        """
         self._input.ignore_types(True, True, False)  # sysex, time; not active sensing
         if self._is_python_rtmidi:
-            self._input.set_callback(lambda event, _: take(bytes(event[0])))
+            self._input.set_callback(lambda event, _: take(bytes(event[0]), event[1]))
             self._input.open_port(index, name="in")
         else:
-            self._input.callback = lambda message, _: take(bytes(message))
+            self._input.callback = lambda message, _: take(bytes(message), math.inf)
             self._input.open_port(index)
         self._opened = True
 
@@ -141,9 +146,19 @@ class MidiPort(QueuedPort):
         OverviewError: neither python-rtmidi nor rtmidi2 is installed.
         """
         super().__init__(f"midi:{selected}", MAX_QUEUED)
+        self._time_s = 0.0  # of the latest message
         self._input, self._port = self._open(selected)
         self._checked_at = time.monotonic()
         self._sensed_at: float | None = None
+
+    def _put_after(self, message: bytes, since_s: float) -> None:
+        """Append a message with its time by the system, which a busy thread doesn't delay."""
+        now_s = time.monotonic()
+        time_s = self._time_s + since_s
+        self._time_s = time_s if now_s - LATE_S < time_s < now_s else now_s
+        stamped = Datagram(message)
+        stamped.time_s = self._time_s
+        self.put(stamped)
 
     def _open(self, selected: str) -> tuple[_System, str]:
         systems = _systems()
@@ -157,7 +172,7 @@ class MidiPort(QueuedPort):
                     raise InputError(f"{self.name}: several ports match: {several}")
                 if found:
                     chosen = one
-                    one.open(found[0], self.put)
+                    one.open(found[0], self._put_after)
                     return one, names[found[0]]
             known = ", ".join(_plain(name) for one in systems for name in one.ports())
             raise InputError(f"{self.name}: no such port; available: {known or 'none'}")

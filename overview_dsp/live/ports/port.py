@@ -17,9 +17,10 @@ class PortLostError(OverviewError):
 
 
 class Datagram(bytes):
-    """Message with the address of its sender, for example `192.168.1.7:9001`."""
+    """Message with the address of its sender (`192.168.1.7:9001`), and its time, s (0: unknown)."""
 
     sender = ""
+    time_s = 0.0
 
 
 class Port(Protocol):

@@ -25,8 +25,9 @@ def message(address, *values):
 
 
 def bundle(*parts, seconds=0):
-    """`seconds`: when, of 1900; 0 is at once."""
-    stamp = struct.pack(">II", seconds, 0 if seconds else 1)
+    """`seconds`: when, s since 1970; 0 is at once."""
+    ntp = int((seconds + 2_208_988_800) * 2**32) if seconds else 1
+    stamp = struct.pack(">Q", ntp)
     return b"#bundle\0" + stamp + b"".join(struct.pack(">i", len(one)) + one for one in parts)
 
 

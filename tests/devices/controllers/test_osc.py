@@ -130,7 +130,7 @@ def test_an_angle_and_a_touch_in_one_are_a_step_there():
 
 def test_a_bundle_is_its_messages_whenever_they_are_due():
     reader = OscReader()
-    inner = bundle(message("/overview/theta2", 1.0), seconds=0xFFFFFFFF)
+    inner = bundle(message("/overview/theta2", 1.0), seconds=2_085_900_000)
     moves = read(reader, bundle(inner, message("/overview/tactor/gain_db", -6.0)))
     assert set(moves) == {SetParameter("tactor.gain_db", -6.0), AngleChanged("theta2", 1.0)}
     assert reader.counters.messages == 2
