@@ -7,7 +7,6 @@ case in a part is finished.
 from __future__ import annotations
 
 import hashlib
-import threading
 import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -97,8 +96,7 @@ class Worker:
         """Open the output folder; nothing is rendered yet."""
         self.grid = grid
         self.storage = Storage(grid.out)
-        self._surfaces = SurfaceCache()
-        self._own = threading.local()
+        self._renderer = VoiceRenderer(grid.settings.sample_rate, SurfaceCache())
         self._last_preset: dict[tuple[int, tuple[Value, ...]], Preset] = {}
 
     def run(self, jobs: Sequence[Job]) -> TaskResult:
@@ -129,7 +127,7 @@ class Worker:
                     yield number, voice
 
         tail = self.grid.settings.tail
-        for number, result in self._renderer().render(voices(), tail, MEASURED_COLUMNS):
+        for number, result in self._renderer.render(voices(), tail, MEASURED_COLUMNS):
             try:
                 if isinstance(result, Exception):
                     raise result
@@ -166,9 +164,3 @@ class Worker:
                 preset = preset.with_value(id, value)
             self._last_preset = {at: preset}
         return preset
-
-    def _renderer(self) -> VoiceRenderer:
-        if not hasattr(self._own, "renderer"):
-            self._own.renderer = VoiceRenderer(self.grid.settings.sample_rate, self._surfaces)
-        renderer: VoiceRenderer = self._own.renderer
-        return renderer

@@ -201,11 +201,11 @@ class _Playing:
         )
 
 
-class VoiceRenderer:
-    """Renders jobs in the lanes of one memory. Thread: one at a time."""
+class VoiceRenderer(threading.local):
+    """Renders jobs in the lanes of one memory. Thread: any; each has a memory of its own."""
 
     def __init__(self, sample_rate: float, surfaces: SurfaceCache) -> None:
-        """Allocate nothing until the first job."""
+        """Allocate nothing until a thread's first job; threads share the surfaces."""
         self._rate = sample_rate
         self._surfaces = surfaces
         self._lanes: EngineBatch | None = None
@@ -395,13 +395,9 @@ def _groups(jobs: Iterable[RenderJob], most: int, longest_s: float) -> Iterator[
 def _rendered(
     groups: Iterator[list[RenderJob]], sample_rate: float, tail: Tail, trace: bool, threads: int
 ) -> Iterator[RenderedJob[Trace | None]]:
-    surfaces = SurfaceCache()
-    own = threading.local()
+    renderer = VoiceRenderer(sample_rate, SurfaceCache())
 
     def render_group(group: list[RenderJob]) -> list[JobOutcome]:
-        if not hasattr(own, "renderer"):
-            own.renderer = VoiceRenderer(sample_rate, surfaces)
-        renderer: VoiceRenderer = own.renderer
         done = dict(renderer.render(enumerate(group), tail, TRACE_COLUMNS if trace else ()))
         return [done[number] for number in range(len(group))]
 
