@@ -62,21 +62,19 @@ class RenderGrid:
     seeds: tuple[int, ...] = (0,)
     settings: Settings = field(default_factory=Settings)
 
-    def _sizes(self) -> tuple[int, ...]:
-        parameters = (len(values) for values in self.parameters.values())
-        return (len(self.timelines), len(self.presets), len(self.gestures), *parameters)
+    @property
+    def sizes(self) -> tuple[int, ...]:
+        """Numbers of timelines, presets, gestures, values of each parameter, and seeds."""
+        lists = (self.timelines, self.presets, self.gestures, *self.parameters.values(), self.seeds)
+        return tuple(map(len, lists))
 
     def __len__(self) -> int:
-        return math.prod(self._sizes()) * len(self.seeds)
+        return math.prod(self.sizes)
 
     def case(self, index: int) -> Case:
         """Return case `index` of `len(self)`: seeds change fastest, timelines slowest."""
-        rest, seed = divmod(index, len(self.seeds))
-        indices = []
-        for size in reversed(self._sizes()):
-            rest, index_in_list = divmod(rest, size)
-            indices.append(index_in_list)
-        timeline, preset, gesture, *chosen = reversed(indices)
+        indices = map(int, np.unravel_index(index, self.sizes))
+        timeline, preset, gesture, *chosen, seed = indices
         values = tuple(
             options[i] for options, i in zip(self.parameters.values(), chosen, strict=True)
         )

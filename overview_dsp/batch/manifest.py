@@ -133,9 +133,7 @@ def encode_manifest(grid: RenderGrid, table: Any, rows: IntArray) -> bytes:
     """Return the manifest; case `i` has the measurements in row `rows[i]` of the table."""
     arrow = _pyarrow()
     count = len(grid)
-    lists = [grid.timelines, grid.presets, grid.gestures, *grid.parameters.values()]
-    sizes = (*map(len, lists), len(grid.seeds))
-    indices = np.unravel_index(np.arange(count), sizes)
+    indices = np.unravel_index(np.arange(count), grid.sizes)
 
     def chosen(values: Sequence[Any], at: IntArray) -> Any:
         # each value once: with duplicates, Parquet writes uninitialised bytes
