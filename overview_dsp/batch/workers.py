@@ -31,7 +31,6 @@ MAX_DEATHS = 3  # deaths of processes after which the batch ends
 WAITING = 4  # queued tasks per process
 
 _worker: Worker | None = None
-_notes: list[str] = []
 
 
 def _end_with_parent() -> None:
@@ -46,23 +45,17 @@ def _begin(grid: RenderGrid) -> None:
     # the parent handles Ctrl-C
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     threading.Thread(target=_end_with_parent, daemon=True).start()
-    # the parent shows each warning, once
-    warnings.simplefilter("always", OverviewWarning)
-    warnings.showwarning = _note  # type: ignore[assignment]
     _worker = Worker(grid)
-
-
-def _note(message: Warning | str, category: type[Warning], *where: object) -> None:
-    if issubclass(category, OverviewWarning):
-        _notes.append(str(message))
 
 
 def _run(jobs: Sequence[Job]) -> tuple[TaskResult, list[str]]:
     assert _worker is not None
-    done = _worker.run(jobs)
-    notes = list(dict.fromkeys(_notes))
-    _notes.clear()
-    return done, notes
+    # the parent shows each warning, once
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always", OverviewWarning)
+        done = _worker.run(jobs)
+    notes = (str(one.message) for one in caught if issubclass(one.category, OverviewWarning))
+    return done, list(dict.fromkeys(notes))
 
 
 def run_here(grid: RenderGrid, tasks: Sequence[Sequence[Job]]) -> Iterator[TaskResult]:
