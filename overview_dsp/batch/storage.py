@@ -42,10 +42,9 @@ class Storage:
         self._fs: Any = None
         self._root = where
         if self._path is None:
+            core = fsspec().core
             try:
-                self._fs, self._root = fsspec().core.url_to_fs(where)
-            except InputError:
-                raise
+                self._fs, self._root = core.url_to_fs(where)
             except (ValueError, ImportError, OSError) as error:
                 raise InputError(f"{where}: can't be opened ({error})") from None
         self._made: set[str] = set()
