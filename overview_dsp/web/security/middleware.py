@@ -139,7 +139,7 @@ class Guard:
 
         rejection = self._rejection(scope)
         if rejection is not None:
-            await reject(scope, answer, *rejection)
+            await rejected(*rejection)(scope, receive, answer)
             return
         inner = _with_timeout(receive) if scope["type"] == "http" else receive
         try:
@@ -147,12 +147,13 @@ class Guard:
         except TimeoutError:
             if not started:
                 message = f"the request took too long; the limit is {BODY_TIMEOUT_S:.0f} s"
-                await reject(scope, answer, 408, message)
+                await rejected(408, message)(scope, receive, answer)
         except Exception as error:
             # escaped: a path may contain terminal control codes
             self._report(f"{scope['path']!a}: {type(error).__name__}: {str(error)!a}")
             if not started:
-                await reject(scope, answer, 500, "internal error; see the server's log")
+                failure = rejected(500, "internal error; see the server's log")
+                await failure(scope, receive, answer)
 
     def _rejection(self, scope: Scope) -> tuple[int, str] | None:
         """Return status and message of a rejected request; None for an accepted one."""
@@ -186,21 +187,14 @@ def cookie_name(scope: Scope) -> str:
     return f"__Host-{name}" if scope["scheme"] in ("https", "wss") else name
 
 
-async def reject(scope: Scope, send: Send, status: int, message_text: str) -> None:
-    """Answer a request with a one-line message and close the connection."""
-    kind = "websocket.http.response" if scope["type"] == "websocket" else "http.response"
-    body = (message_text + "\n").encode()
-    headers = [
-        (b"content-type", b"text/plain; charset=utf-8"),
-        (b"content-length", str(len(body)).encode()),
-        (b"connection", b"close"),
-    ]
+def rejected(status: int, message: str) -> Response:
+    """Return an answer of one line, after which the connection is closed."""
+    headers = {"connection": "close"}
     if status == 401:
-        headers.append((b"www-authenticate", b"Bearer"))
+        headers["www-authenticate"] = "Bearer"
     if status == 429:
-        headers.append((b"retry-after", f"{WRONG_TOKEN_WINDOW_S:.0f}".encode()))
-    await send({"type": f"{kind}.start", "status": status, "headers": headers})
-    await send({"type": f"{kind}.body", "body": body})
+        headers["retry-after"] = f"{WRONG_TOKEN_WINDOW_S:.0f}"
+    return PlainTextResponse(message + "\n", status, headers)
 
 
 def _bearer(headers: Headers) -> str | None:
