@@ -66,14 +66,13 @@ MAX_HEADER = 16 * 1024
 class _Deadline:
     """Closes a transport unless it is cancelled in time."""
 
-    def __init__(self, loop: asyncio.AbstractEventLoop) -> None:
-        self._loop = loop
-        self._handle: asyncio.TimerHandle | None = None
+    _handle: asyncio.TimerHandle | None = None
 
     def set(self, transport: asyncio.Transport, seconds: float) -> None:
         """Close `transport` after `seconds`, unless a deadline is set already."""
         if self._handle is None:
-            self._handle = self._loop.call_later(seconds, transport.abort)
+            loop = asyncio.get_running_loop()
+            self._handle = loop.call_later(seconds, transport.abort)
 
     def cancel(self) -> None:
         """Cancel the deadline."""
@@ -95,12 +94,11 @@ def is_open(connection: Any) -> bool:
 class _SlowReaderLimit(asyncio.Protocol):
     """Protocol that closes a connection if the client doesn't read for `READ_TIMEOUT_S`."""
 
-    loop: asyncio.AbstractEventLoop
     transport: asyncio.Transport
 
     def __init__(self, *arguments: Any, **named: Any) -> None:
         super().__init__(*arguments, **named)
-        self._reading = _Deadline(self.loop)
+        self._reading = _Deadline()
 
     def pause_writing(self) -> None:
         """Start the deadline for a slow reader."""
@@ -125,7 +123,7 @@ class HttpConnection(_SlowReaderLimit, H11Protocol):
         super().__init__(*arguments, **named)
         self._limit = MAX_CROWD if crowd else MAX_CONNECTIONS
         self._limit_per_address = MAX_CROWD if crowd else MAX_PER_ADDRESS
-        self._request = _Deadline(self.loop)
+        self._request = _Deadline()
         self._idle_since: float | None = None  # None: a request is being answered
 
     def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
