@@ -22,6 +22,7 @@ import socket
 import ssl
 import threading
 from collections.abc import Callable, Collection, Sequence
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import h11
@@ -30,7 +31,6 @@ from starlette.requests import Request
 from starlette.responses import Response
 from starlette.routing import BaseRoute, Route, Router, WebSocketRoute
 from starlette.types import ASGIApp
-from starlette.websockets import WebSocket
 from uvicorn.protocols.http.h11_impl import H11Protocol
 from uvicorn.protocols.websockets.websockets_sansio_impl import WebSocketsSansIOProtocol
 
@@ -384,10 +384,6 @@ def make_app(
         )
         return response
 
-    async def control(websocket: WebSocket) -> None:
-        assert session is not None
-        await serve_input(websocket, session)
-
     def use(request: Request, body: bytes) -> Response:
         assert session is not None
         fields = json_object(body)
@@ -402,7 +398,7 @@ def make_app(
         routes += [Route(path, _send_asset) for path in public]
     routes += [Route("/session", open_session, methods=["POST"]), *data_routes]
     if session is not None:
-        routes.append(WebSocketRoute("/control", control))
+        routes.append(WebSocketRoute("/control", partial(serve_input, session=session)))
         routes.append(Route("/host/preset", threaded_endpoint(use), methods=["POST"]))
     # a router alone: the guard reports failures
     app = Router(routes, redirect_slashes=False)
