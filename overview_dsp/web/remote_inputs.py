@@ -15,7 +15,7 @@ from __future__ import annotations
 import time
 from collections import deque
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 from overview_dsp.signal.engine.engine import Engine
@@ -59,7 +59,7 @@ class PageClock:
         return page_s - min(self._pings)[1]
 
 
-class _RecentMaximum:
+class RecentMaximum:
     """Maximum of the values of the last seconds."""
 
     def __init__(self, window_s: float) -> None:
@@ -81,18 +81,6 @@ class _RecentMaximum:
         return self._values[0][1] if self._values else 0.0
 
 
-class Delay:
-    """Common age of events, which keeps the intervals between them."""
-
-    def __init__(self) -> None:
-        self._age = _RecentMaximum(DELAY_WINDOW_S)
-
-    def add(self, now_s: float, age_s: float) -> float:
-        """Add the age of an event on arrival; return the common age."""
-        self._age.add(now_s, min(max(age_s, 0.0), MAX_DELAY_S))
-        return self._age.value
-
-
 class SampleClock:
     """Conversion between times and samples of an engine that counts in blocks.
 
@@ -102,14 +90,14 @@ class SampleClock:
     def __init__(self, engine: Engine) -> None:
         self._engine = engine
         self._rate = engine.sample_rate
-        self._offset = _RecentMaximum(CLOCK_WINDOW_S)
+        self._offset = RecentMaximum(CLOCK_WINDOW_S)
         self._last = (-1, 0.0)
 
     def update(self, now_s: float) -> None:
         """Read the engine's sample count; call it often."""
         sample = self._engine.sample_time
         if sample < self._last[0]:  # the engine was reset
-            self._offset = _RecentMaximum(CLOCK_WINDOW_S)
+            self._offset = RecentMaximum(CLOCK_WINDOW_S)
         if sample != self._last[0]:
             self._last = (sample, now_s)
         self._offset.add(now_s, sample - self._rate * now_s)
@@ -145,10 +133,9 @@ class RemoteInput:
     """Name that the page sent."""
     event_to_sample_s: float | None = None
     """Time from the page's event to its sample."""
-
-    def __post_init__(self) -> None:
-        self.clock = PageClock()
-        self.delay = Delay()
+    clock: PageClock = field(default_factory=PageClock)
+    delay: RecentMaximum = field(default_factory=lambda: RecentMaximum(DELAY_WINDOW_S))
+    """Common age of its events, which keeps the intervals between them."""
 
 
 class RemoteInputs:
@@ -220,8 +207,8 @@ class RemoteInputs:
         if remote.clock.is_synchronised:
             # a page's clock may be wrong
             event_s = min(max(remote.clock.host_time(event.time_s), now - 1.0), now)
-        wait = remote.delay.add(now, now - event_s)
-        due = min(max(event_s + wait, now), now + MAX_DELAY_S)
+        remote.delay.add(now, min(max(now - event_s, 0.0), MAX_DELAY_S))
+        due = min(max(event_s + remote.delay.value, now), now + MAX_DELAY_S)
         stamp = max(self._samples.sample_at(due), self._engine.sample_time)
         remote.event_to_sample_s = self._samples.time_of(stamp) - event_s
         return stamp

@@ -14,7 +14,6 @@ from overview_dsp.web.messages import RemoteEvent
 from overview_dsp.web.remote_inputs import (
     MAX_DELAY_S,
     SILENCE_TIMEOUT_S,
-    Delay,
     PageClock,
     RemoteInputs,
     SampleClock,
@@ -73,12 +72,19 @@ def test_a_reply_before_its_ping_is_ignored():
     assert not clock.is_synchronised
 
 
-def test_the_delay_follows_the_slowest_recent_event_and_is_bounded():
-    delay = Delay()
-    assert delay.add(0.0, 0.02) == 0.02
-    assert delay.add(0.1, 0.005) == 0.02
-    assert delay.add(0.2, 5.0) == MAX_DELAY_S
-    assert delay.add(2.5, -1.0) == 0.0
+def test_the_delay_follows_the_slowest_recent_event_and_is_bounded(machine):
+    remote = machine.inputs.join()
+    remote.clock.add(100.0, 100.0, 100.0)
+    ages = (
+        (100.1, 0.02, 0.02),
+        (100.2, 0.005, 0.02),
+        (100.3, 5.0, MAX_DELAY_S),
+        (102.6, -1.0, 0.0),
+    )
+    for now_s, age_s, delay_s in ages:
+        machine.to(now_s)
+        machine.inputs.move(remote, (RemoteEvent(machine.now - age_s, 1.0, True),))
+        assert math.isclose(remote.delay.value, delay_s, abs_tol=1e-9)
 
 
 def test_the_sample_of_the_current_time_is_in_the_next_block(machine):
