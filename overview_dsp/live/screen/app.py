@@ -204,11 +204,9 @@ class PlayApp(App[None]):
     def _poll(self) -> None:
         if self._ended:
             return
-        if self._stopped is not None and self._stopped():
-            self._end()
-            return
         writer = getattr(self._driver, "writer", None)
-        if writer is not None and (writer.closed or has_hung_up(writer.fileno())):
+        gone = writer is not None and (writer.closed or has_hung_up(writer.fileno()))
+        if gone or (self._stopped is not None and self._stopped()):
             self._end()
             return
         if writer is not None and writer.pop_skipped():
