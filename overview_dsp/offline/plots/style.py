@@ -27,21 +27,12 @@ Marker = Any  # marker of matplotlib: a letter, a number, or a tuple of corners,
 Style = tuple[Marker, str, str]  # marker, face colour, words
 
 _KINDS = load_toml(__file__, "kinds.toml")
+# of kinds without a style, selected by the kind's name
+_OTHERS = [(tuple(marker), colour) for marker, colour in _KINDS.pop("others")]
 KIND_STYLE: dict[str, Style] = {
     kind: (tuple(marker) if isinstance(marker, list) else marker, colour, words)
     for kind, (marker, colour, words) in _KINDS.items()
 }
-# of kinds without a style, selected by the kind's name
-_OTHERS: tuple[tuple[Marker, str], ...] = tuple(
-    zip(
-        (
-            *((6, 1, 0), (5, 0, 180), (7, 0, 0), (9, 1, 0), (10, 1, 0), (12, 1, 0), (4, 2, 0)),
-            *((5, 2, 0), (7, 2, 0), (8, 2, 0), (3, 0, 30), (3, 0, 90), (6, 1, 30), (9, 0, 0)),
-        ),
-        2 * (VERMILION, BLUE, YELLOW, SKY, GREEN, ORANGE, PURPLE),
-        strict=True,
-    )
-)
 GAP_STYLE: Any = {"facecolor": "none", "edgecolor": "#b0b0b0", "hatch": "////", "linewidth": 0.0}
 _POINTS = 1500  # steps of a curve, of which the extremes are kept, to limit the size of an SVG
 
