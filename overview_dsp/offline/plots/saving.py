@@ -44,9 +44,7 @@ def save_picture(figure: Figure, path: str | os.PathLike[str]) -> None:
 
 def save_figure(figure: Figure, stem: str | os.PathLike[str]) -> list[Path]:
     """Write a figure as PNG and SVG; return the files."""
-    written = []
-    for suffix in (".png", ".svg"):
-        path = Path(f"{os.fspath(stem)}{suffix}")
+    written = [Path(f"{os.fspath(stem)}{suffix}") for suffix in (".png", ".svg")]
+    for path in written:
         save_picture(figure, path)
-        written.append(path)
     return written
