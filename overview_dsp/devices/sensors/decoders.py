@@ -173,20 +173,15 @@ def detect(
     `timed_out`: whether to report a stream that would need more data.
     `acceleration_known`: whether three numbers are an acceleration, without regard to gravity.
     """
-    found = _detect_packets(data)
-    if found is not None:
-        return found
     lines = LineSplitter(Counters(), LONGEST).feed(data)
-    found = _detect_app(lines[-BATCHES:])
-    if found is not None:
-        return found
-    latest = lines[-LINES:]
-    if len(lines) >= LINES and all(parse_json_line(line) is not None for line in latest):
-        return DetectedFormat("json")
-    found = _detect_text(lines, timed_out, acceleration_known)
-    if found is None:
-        found = _detect_labels(lines, timed_out)
-    return _unknown(data, lines, timed_out) if found is None else found
+    return (
+        _detect_packets(data)
+        or _detect_app(lines[-BATCHES:])
+        or _detect_json(lines[-LINES:])
+        or _detect_text(lines, timed_out, acceleration_known)
+        or _detect_labels(lines, timed_out)
+        or _unknown(data, lines, timed_out)
+    )
 
 
 def detect_columns(
@@ -227,6 +222,11 @@ def _detect_app(lines: Sequence[str]) -> DetectedFormat | str | None:
     if any(isinstance(one, list) and one for one in read):
         return DetectedFormat("app")
     return None if reason is None else f"{quote_line(lines[-1])}: {reason}"
+
+
+def _detect_json(lines: Sequence[str]) -> DetectedFormat | None:
+    valid = len(lines) == LINES and all(parse_json_line(line) is not None for line in lines)
+    return DetectedFormat("json") if valid else None
 
 
 def _detect_text(
