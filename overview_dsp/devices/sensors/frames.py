@@ -140,11 +140,9 @@ def decode_frame(frame: bytes | bytearray) -> Reading | None:
     _, sequence, stamp, *numbers = packing.unpack(payload)
     if any(numbers[len(columns) :]) or (packing is _ONE and any(payload[-8:])):
         return None
-    reading = {"sequence": float(sequence), "t_us": float(stamp)}
-    reading.update(
-        (name, number * unit) for name, number, unit in zip(columns, numbers, units, strict=False)
-    )
-    return reading
+    counts = zip(columns, numbers, units, strict=False)
+    values = {name: count * unit for name, count, unit in counts}
+    return {"sequence": float(sequence), "t_us": float(stamp), **values}
 
 
 class FrameDecoder(Decoder):
