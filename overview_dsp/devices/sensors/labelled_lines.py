@@ -192,12 +192,7 @@ def cycle_from_shapes(
     if six:
         chosen = columns(six, INERTIAL)
         if six == "counts" and counts_known:
-            values = {
-                "acceleration.unit": "g",
-                "acceleration.scale": 1.0 / 16384.0,
-                "angular_velocity.unit": "deg/s",
-                "angular_velocity.scale": 1.0 / 131.0,
-            }
+            values = dict(_LABELS["values_of_counts"])
         elif six == "raw":
             values = {"angular_velocity.unit": "deg/s"}
     elif acceleration and (gyroscope or "quaternion" not in complete):
