@@ -160,12 +160,11 @@ def calibrate(sensor: Sensor, binary: bool, samples: Sequence[RawSample]) -> Cal
         notes.append(f"made for {SLOWEST_HZ:g} to {FASTEST_HZ:g} Hz")
     if rate < 0.95 * SLOWEST_HZ:
         notes.append("reduce the delay(...) in the sketch's loop() to at most 10")
-    bias, note = _bias(units, samples)
-    notes.append(note)
+    bias, about_bias = _bias(units, samples)
     up = unit(_mean([units.acceleration_of(one.acceleration) for one in samples]))
-    level, note = level_by(up, sensor)
-    notes.append(note)
-    return Calibration(units, period, bias, level, "; ".join(note for note in notes if note))
+    level, about_level = level_by(up, sensor)
+    notes += filter(None, (about_bias, about_level))
+    return Calibration(units, period, bias, level, "; ".join(notes))
 
 
 def level_by(up: Vector, sensor: Sensor) -> tuple[Rotation, str]:
