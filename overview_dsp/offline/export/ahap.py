@@ -311,12 +311,7 @@ def vibration_pattern(clip: Clip, budget: int) -> Ahap:
 def strikes_pattern(clip: Clip) -> Ahap:
     """Return the pattern of the transients."""
     events = [
-        _event(
-            TRANSIENT,
-            round(strike.time_s, 4),
-            _intensity(strike.amplitude),
-            round(strike.sharpness, 4),
-        )
+        _event(TRANSIENT, round(strike.time_s, 4), _intensity(strike.amplitude), strike.sharpness)
         for strike in clip.transients
     ]
     return _document(clip, "strikes", [Entry(Event=event) for event in events])
@@ -331,7 +326,7 @@ def _event(
         EventDuration=duration_s,
         EventParameters=[
             EventParameter(ParameterID=INTENSITY, ParameterValue=intensity),
-            EventParameter(ParameterID=SHARPNESS, ParameterValue=sharpness),
+            EventParameter(ParameterID=SHARPNESS, ParameterValue=round(sharpness, 4)),
         ],
     )
 
