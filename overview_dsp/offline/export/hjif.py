@@ -245,9 +245,7 @@ def _wave(position: int, points: list[tuple[int, float]], hz: int | None = None)
         Keyframe(relative_position=at, amplitude_modulation=level, frequency_modulation=hz)
         for at, level in points
     ]
-    return Effect(
-        effect_type="Basis", position=position, phase=0.0, base_signal="Sine", keyframes=frames
-    )
+    return Effect(position=position, keyframes=frames, **_PARTS["effect"])
 
 
 def _friction(clip: Clip, highest: float) -> Band:
