@@ -16,6 +16,7 @@ from overview_dsp.data.timeline import Timeline
 from overview_dsp.design.presets.model import Preset
 from overview_dsp.errors import InputError, quoted
 from overview_dsp.files.atomic import make_folder
+from overview_dsp.files.toml import load_toml
 from overview_dsp.offline.export.c_code import (
     Machine,
     c_sources,
@@ -54,14 +55,10 @@ def contents_of(to: str, bundle: Bundle, machine: Machine, library: bytes) -> di
     if machine.system == "macos":
         inside = PurePosixPath(called, "Contents")
         described = {
-            "CFBundleDevelopmentRegion": "en",
             "CFBundleExecutable": bundle.slug,
             "CFBundleIdentifier": bundle.id,
-            "CFBundleInfoDictionaryVersion": "6.0",
             "CFBundleName": "".join(c if c.isprintable() else " " for c in bundle.name),
-            "CFBundlePackageType": "BNDL",
-            "CFBundleSignature": "????",
-            "CFBundleVersion": "1.0.0",
+            **load_toml(__file__, "documents.toml")["macos"],
         }
         return {
             str(inside / "MacOS" / bundle.slug): library,
