@@ -204,11 +204,8 @@ def label_of(id: str) -> tuple[str, str, tuple[str, ...]]:
     section, _, key = id.partition(".")
     known = PARAMETERS[id]
     words = _UNIT_OF_KEY.sub("", key).replace("_", " ")
-    if isinstance(known.default, bool):
-        choices: tuple[str, ...] = ("off", "on")
-    else:
-        choices = tuple(map(str, known.choices))
-    return f"{section.capitalize()} {words}", section.capitalize(), choices
+    choices = ("off", "on") if isinstance(known.default, bool) else map(str, known.choices)
+    return f"{section.capitalize()} {words}", section.capitalize(), tuple(choices)
 
 
 def bundle_source(bundle: Bundle) -> Iterator[str]:
