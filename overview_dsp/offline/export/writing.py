@@ -6,7 +6,6 @@ import os
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from types import MappingProxyType
 
 from overview_dsp import validation
 from overview_dsp.arrays import FloatArray
@@ -109,9 +108,7 @@ def _android(clip: Clip, budget: int) -> tuple[dict[str, bytes], Played, int]:
     return files, played, len(made.waveform.timings)
 
 
-_BAKES: Mapping[str, Bake] = MappingProxyType(
-    {"ahap": _ahap, "haptic": _haptic, "hjif": _hjif, "android": _android}
-)
+_BAKES: Mapping[str, Bake] = {"ahap": _ahap, "haptic": _haptic, "hjif": _hjif, "android": _android}
 """Writers by format; `wav4` is written from the samples."""
 
 CLIPS = tuple(_BAKES)
