@@ -22,7 +22,7 @@ from pathlib import Path
 from overview_dsp.data.timeline import Timeline
 from overview_dsp.design.presets.model import Preset
 from overview_dsp.errors import InputError, OverviewError, quoted
-from overview_dsp.files.atomic import atomic_file, make_folder
+from overview_dsp.files.atomic import make_folder, write_file
 from overview_dsp.kernels.sources import sources_digest
 from overview_dsp.offline.export.browser_memory import encode_engine
 from overview_dsp.signal.engine.engine import Engine
@@ -100,8 +100,7 @@ def write_files(folder: str | os.PathLike[str], contents: Mapping[str, bytes]) -
     written = [Path(folder, path) for path in contents]
     for path, content in zip(written, contents.values(), strict=True):
         make_folder(path.parent)
-        with atomic_file(path) as file:
-            file.write_bytes(content)
+        write_file(path, content)
     return written
 
 
