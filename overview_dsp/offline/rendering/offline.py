@@ -162,14 +162,13 @@ def blocks(
     trace: bool = True,
     progress: Progress | None = None,
     stage: ActuatorStage | None = None,
-    block: int | None = None,
 ) -> Iterator[Block]:
     """Render a gesture with a prepared engine, block by block, in constant memory.
 
     `progress` receives the progress, 0 to 1. The blocks' arrays are not reused. With an actuator's
-    `stage`, the tactor's samples are its drive. Blocks have up to `block` frames (None: `BLOCK`).
+    `stage`, the tactor's samples are its drive. Blocks have up to `BLOCK` frames.
     """
-    play = GesturePlayer(engine, gesture, tail, block or BLOCK)
+    play = GesturePlayer(engine, gesture, tail, BLOCK)
     while not play.over:
         frames = play.feed()
         samples = np.empty((frames, 2), dtype=np.float32)
