@@ -275,11 +275,9 @@ def outward(
     progress: Callable[[float], None] = lambda part: None,
 ) -> dict[str, list[FeltEvents]]:
     """Return the events of each gesture's outward stroke over each timeline."""
-    found: dict[str, list[FeltEvents]] = {name: [] for name in gestures}
-    for one in felt_events(preset, timelines, gestures, RATE, TAIL_S, progress):
-        if one.stroke.name == "out":
-            found[one.name].append(one)
-    return found
+    tables = felt_events(preset, timelines, gestures, RATE, TAIL_S, progress)
+    out = [one for one in tables if one.stroke.name == "out"]
+    return {name: [one for one in out if one.name == name] for name in gestures}
 
 
 def percentiles(values: FloatArray) -> Triple:
