@@ -109,28 +109,20 @@ class ObserverReport(Report):
     sets: tuple[SetScores, ...]
 
     def _plain(self) -> dict[str, Any]:
-        return {
-            "preset": self.preset,
-            "movement": self.movement,
-            "learned": self.learned,
-            "sets": [
+        sets = []
+        for one in self.sets:
+            strokes = [
                 {
-                    "name": one.name,
-                    "timelines": one.timelines,
-                    "strokes": [
-                        {
-                            "name": stroke,
-                            "modality": modality,
-                            "groups": scores.groups.to_json(),
-                            **scores.kinds.to_json(),
-                        }
-                        for stroke, by_modality in one.strokes.items()
-                        for modality, scores in by_modality.items()
-                    ],
+                    "name": stroke,
+                    "modality": modality,
+                    "groups": scores.groups.to_json(),
+                    **scores.kinds.to_json(),
                 }
-                for one in self.sets
-            ],
-        }
+                for stroke, by_modality in one.strokes.items()
+                for modality, scores in by_modality.items()
+            ]
+            sets.append({**vars(one), "strokes": strokes})
+        return {**vars(self), "sets": sets}
 
     def _lines(self) -> Iterator[str]:
         yield (
