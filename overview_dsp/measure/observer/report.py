@@ -153,10 +153,8 @@ def _recalls(strokes: Mapping[str, StrokeScores]) -> Iterator[str]:
     """Yield one line per kind or group, with one column per stroke."""
     yield f"{'':<22}{'events':>8}" + "".join(f"{name:>12}" for name in strokes)
     scores = list(strokes.values())
-    for title, tables in (
-        ("kinds", [one.kinds for one in scores]),
-        ("groups", [one.groups for one in scores]),
-    ):
+    for title in ("kinds", "groups"):
+        tables: list[ObserverScores] = [getattr(one, title) for one in scores]
         if title == "groups" and tables[0].kinds == scores[0].kinds.kinds:
             continue
         for row, kind in enumerate(tables[0].kinds):
