@@ -224,6 +224,6 @@ def evaluate_observer(
             answers = forest.predict(add_sensory_noise(features, names, rng))
         for stroke, named in zip(strokes, np.split(answers, np.cumsum(counts)[:-1]), strict=True):
             at, owner = stroke.features[modality].at_ms, stroke.owner[modality]
-            single.add(at, named, owner, stroke.events.kind.tolist())
-            grouped.add(at, named, owner, stroke.events.kind.tolist())
+            single.add(at, named, owner, stroke.events.kind)
+            grouped.add(at, named, owner, stroke.events.kind)
     return StrokeScores(single.scores(DRAWS), grouped.scores(DRAWS))

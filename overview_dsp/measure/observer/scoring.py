@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -142,13 +142,11 @@ class Tally:
         self.reports = np.zeros(count, dtype=np.int64)
         self.right = np.zeros(count, dtype=np.int64)
 
-    def add(
-        self, at_ms: IntArray, answers: IntArray, owner: IntArray, kinds: Iterable[int]
-    ) -> None:
+    def add(self, at_ms: IntArray, answers: IntArray, owner: IntArray, kinds: IntArray) -> None:
         """Count the onsets of a stroke (time, answer, row of its event) and its events."""
         nothing = len(self.kinds)
         named: dict[int, list[int]] = {}
-        true = self.group[np.asarray(list(kinds), dtype=np.int64)].tolist()
+        true = self.group[kinds].tolist()
         last: dict[int, tuple[int, int]] = {}
         for at, name, row in zip(
             at_ms.tolist(), self.group[answers].tolist(), owner.tolist(), strict=True

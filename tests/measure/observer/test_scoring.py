@@ -23,7 +23,7 @@ def counted(at, said, rows, owner=None):
     there = events(*rows)
     tally = Tally(KINDS, np.arange(4))
     owner = rows_of_onsets(np.array(at), there) if owner is None else np.array(owner)
-    tally.add(np.array(at), np.array(said), owner, there.kind.tolist())
+    tally.add(np.array(at), np.array(said), owner, there.kind)
     return tally.scores(1)
 
 
@@ -126,7 +126,7 @@ def test_an_onset_answered_with_nothing_is_not_a_report():
 
 def test_a_group_counts_what_any_of_its_kinds_was_taken_for():
     tally = Tally(("goal", "rest"), np.array([0, 0, 1, 2]))
-    tally.add(np.array([100]), np.array([1]), np.array([0]), [0])
+    tally.add(np.array([100]), np.array([1]), np.array([0]), np.array([0]))
     assert tally.scores(1).recall[0] == 1.0
 
 
