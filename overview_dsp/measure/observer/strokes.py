@@ -68,14 +68,12 @@ def passed_events(
     `furthest` position.
     """
     bounds = _turns(cursor, max(1, int(TURN_CHECK_S * sample_rate)))
-    events, enters, leaves = [], [], []
+    parts = []
     for start, stop in itertools.pairwise(bounds):
         event, first, last = passages(surface, cursor[start:stop])
-        events.append(event)
-        enters.append(first + start)
-        leaves.append(last + start)
-    event = np.concatenate(events)
-    frames = np.stack([np.concatenate(enters), np.concatenate(leaves)]).astype(np.float64)
+        parts.append((event, first + start, last + start))
+    event, *times = (np.concatenate(column) for column in zip(*parts, strict=True))
+    frames = np.stack(times).astype(np.float64)
     begins = surface.span[:, 0]
     missed = np.setdiff1d(np.flatnonzero((begins > -math.inf) & (begins <= furthest)), event)
     event = np.append(event, missed)
