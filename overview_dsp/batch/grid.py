@@ -75,9 +75,8 @@ class RenderGrid:
         """Return case `index` of `len(self)`: seeds change fastest, timelines slowest."""
         indices = map(int, np.unravel_index(index, self.sizes))
         timeline, preset, gesture, *chosen, seed = indices
-        values = tuple(
-            options[i] for options, i in zip(self.parameters.values(), chosen, strict=True)
-        )
+        options = zip(self.parameters.values(), chosen, strict=True)
+        values = tuple(several[i] for several, i in options)
         return Case(index, timeline, preset, gesture, values, self.seeds[seed])
 
 
