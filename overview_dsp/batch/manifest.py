@@ -113,13 +113,9 @@ def rows_of(
 
     OverviewError for a key with neither, as its file was deleted during the run.
     """
-    failed = {
-        key: row
-        for row, (key, error) in enumerate(
-            zip(table.column("key").to_pylist(), table.column("error").to_pylist(), strict=True)
-        )
-        if error is not None
-    }
+    columns = (table.column(name).to_pylist() for name in ("key", "error"))
+    rows_and_errors = enumerate(zip(*columns, strict=True))
+    failed = {key: row for row, (key, error) in rows_and_errors if error is not None}
     rows = [finished.get(key, failed.get(key, -1)) for key in keys]
     if -1 in rows:
         raise OverviewError(
