@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from dataclasses import dataclass, replace
 
 from overview_dsp.batch import manifest
@@ -118,11 +118,8 @@ def _runner(
 ) -> Iterator[tuple[Run, int]]:
     """Yield the function that runs tasks, and the number of tasks that run at a time."""
     if scheduler is not None:
-        cluster = Cluster(scheduler)
-        try:
+        with closing(Cluster(scheduler)) as cluster:
             yield cluster.run, cluster.threads
-        finally:
-            cluster.close()
         return
     processes = usable_cores() if workers is None else workers
     if processes == 1:
