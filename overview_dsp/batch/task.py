@@ -10,12 +10,13 @@ import hashlib
 import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
 
 from overview_dsp.arrays import SampleArray
-from overview_dsp.batch.grid import Case, RenderGrid
+from overview_dsp.batch.grid import RenderGrid
 from overview_dsp.batch.manifest import PARTS, SOUNDS, encode_part
 from overview_dsp.batch.storage import Storage
 from overview_dsp.data.analysis.loudness import MIN_RATE, StepMeter
@@ -97,7 +98,8 @@ class Worker:
         self.grid = grid
         self.storage = Storage(grid.out)
         self._renderer = VoiceRenderer(grid.settings.sample_rate, SurfaceCache())
-        self._last_preset: dict[tuple[int, tuple[Value, ...]], Preset] = {}
+        # seeds change fastest: the preset of the last case fits the next one
+        self._preset = lru_cache(maxsize=1)(self._changed_preset)
 
     def run(self, jobs: Sequence[Job]) -> TaskResult:
         """Render, measure and store some cases; the result lists failed cases.
@@ -120,7 +122,8 @@ class Worker:
                     case = self.grid.case(index)
                     timeline = list(self.grid.timelines.values())[case.timeline]
                     gesture = list(self.grid.gestures.values())[case.gesture]
-                    voice = RenderJob(timeline, self._preset(case), gesture, case.seed)
+                    preset = self._preset(case.preset, case.values)
+                    voice = RenderJob(timeline, preset, gesture, case.seed)
                 except Exception as error:
                     fail(number, error)
                 else:
@@ -154,13 +157,8 @@ class Worker:
             self.storage.put(name, encode_part(rows))
             rows.clear()
 
-    def _preset(self, case: Case) -> Preset:
-        at = (case.preset, case.values)
-        # seeds change fastest: the preset of the last case fits the next one
-        preset = self._last_preset.get(at)
-        if preset is None:
-            preset = list(self.grid.presets.values())[case.preset]
-            for id, value in zip(self.grid.parameters, case.values, strict=True):
-                preset = preset.with_value(id, value)
-            self._last_preset = {at: preset}
+    def _changed_preset(self, number: int, values: tuple[Value, ...]) -> Preset:
+        preset = list(self.grid.presets.values())[number]
+        for id, value in zip(self.grid.parameters, values, strict=True):
+            preset = preset.with_value(id, value)
         return preset
