@@ -35,6 +35,7 @@ MEASURED_COLUMNS = ("engaged", "cursor")  # columns of the trace that the measur
 
 def measure_render(result: RenderedJob[Trace | None], data: bytes) -> dict[str, Any]:
     """Measure a render (with its trace) that is stored as `data`."""
+    samples = np.ascontiguousarray(result.samples, "<f4")
     return {
         "frames": len(result.samples),
         "duration_s": len(result.samples) / result.sample_rate,
@@ -45,9 +46,7 @@ def measure_render(result: RenderedJob[Trace | None], data: bytes) -> dict[str, 
         "felt": _felt(result),
         "bytes": len(data),
         "sha256": hashlib.sha256(data).hexdigest(),
-        "samples_sha256": hashlib.sha256(
-            np.ascontiguousarray(result.samples, "<f4").data
-        ).hexdigest(),
+        "samples_sha256": hashlib.sha256(samples.data).hexdigest(),
     }
 
 
