@@ -136,10 +136,6 @@ def _worker_of(packed: bytes) -> Worker:
     return Worker(pickle.loads(packed))
 
 
-def _same(packed: bytes) -> bytes:
-    return packed
-
-
 def _run_remote(packed: bytes, program: str, jobs: Sequence[Job]) -> TaskResult:
     if program != PROGRAM:
         raise OverviewError(
@@ -181,7 +177,7 @@ class Cluster:
         program.
         """
         client = self._client
-        packed = client.submit(_same, pickle.dumps(grid), pure=False)
+        packed = client.submit(bytes, pickle.dumps(grid), pure=False)
         numbers = iter(tasks)
 
         def more(count: int) -> list[Any]:
