@@ -336,17 +336,16 @@ def _checked_cycle(cycle: LineCycle, lines: Sequence[str], timed_out: bool) -> L
         return cycle
     rows = [tuple(one[name] for name in names) for one in read]
     sizes = [math.hypot(*row) for row in rows[:MANY_LINES]]
-    fits = [is_gravity(statistics.median(sizes))] if names == ACCELERATION else [
-        abs(one - 1.0) <= LABELLED_TOLERANCE for one in sizes]  # fmt: skip
-    if not all(fits) or names == ACCELERATION:
-        return cycle if all(fits) else None
+    if names == ACCELERATION:
+        return cycle if is_gravity(statistics.median(sizes)) else None
+    if not all(abs(one - 1.0) <= LABELLED_TOLERANCE for one in sizes):
+        return None
     if "quaternion.order" not in cycle.values:
         return cycle
     if len(rows) < MANY_LINES and not timed_out:
         return None
-    order = order_at_rest(rows)
-    values = {**cycle.values, **({"quaternion.order": order} if order else {})}
-    return replace(cycle, values=values)
+    order = order_at_rest(rows) or cycle.values["quaternion.order"]
+    return replace(cycle, values={**cycle.values, "quaternion.order": order})
 
 
 def _unknown(data: bytes, lines: Sequence[str], timed_out: bool) -> str | None:
