@@ -138,6 +138,10 @@ class DetectedFormat:
         return _FORMATS[self.format][0] + ",".join(self.columns)
 
 
+def _text_decoder(counters: Counters, stream: DetectedFormat) -> Decoder:
+    return LineDecoder(counters, lambda line: parse_row(line, stream.columns))
+
+
 def _label_decoder(counters: Counters, stream: DetectedFormat) -> Decoder:
     assert stream.cycle is not None
     return LineDecoder(counters, LabelledReader(stream.cycle).parse)
@@ -146,12 +150,7 @@ def _label_decoder(counters: Counters, stream: DetectedFormat) -> Decoder:
 _FORMATS: Mapping[str, tuple[str, Callable[[Counters, DetectedFormat], Decoder]]] = {
     "frames": ("binary frames", lambda counters, _: FrameDecoder(counters)),
     "json": ("JSON lines", lambda counters, _: LineDecoder(counters, parse_json_line)),
-    "text": (
-        "lines of ",
-        lambda counters, stream: LineDecoder(
-            counters, lambda line: parse_row(line, stream.columns)
-        ),
-    ),
+    "text": ("lines of ", _text_decoder),
     "labels": ("labelled lines of ", _label_decoder),
     "witmotion": (
         "WitMotion packets of ",
