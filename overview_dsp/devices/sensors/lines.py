@@ -52,6 +52,7 @@ class StreamSplitter:
 
 LONGEST = 512  # maximum length of a line, bytes; a longer one is noise
 
+_PRINTABLE = re.compile(rb"[\t -~]*")
 _COMMENT = re.compile(rb"#(?![A-Za-z-]+=)")  # Razor's readings begin with #YPR=
 
 _SIGNS = ((b"\xc2\xb0", b"deg"), (b"\xc2\xb2", b"2"))
@@ -80,9 +81,7 @@ class LineSplitter:
                 text = text.replace(sign, word)
             if first:
                 self._counters.fragments += bool(piece)
-            elif len(piece) > self._longest or not all(
-                32 <= byte < 127 or byte == 9 for byte in text
-            ):
+            elif len(piece) > self._longest or not _PRINTABLE.fullmatch(text):
                 self._counters.reject(piece)
                 self._counters.noise_bytes += omitted
             elif text and not _COMMENT.match(text):
