@@ -98,16 +98,12 @@ def _pairs(numbers: Sequence[int]) -> list[tuple[int, int]]:
 
 def dualsense_motion(report: bytes) -> tuple[int, int, list[int]] | None:
     """Return number, clock and counts of the axes of a report; None if it is invalid."""
-    if not report or len(report) != LENGTHS.get(report[0], 0):
+    at = {USB: 1, BLUETOOTH: 2}.get(report[0]) if report else None
+    if at is None or len(report) != LENGTHS[report[0]]:
         return None
-    if report[0] == BLUETOOTH:
-        # the check includes 0xA1, which precedes the report on the radio link
-        if zlib.crc32(b"\xa1" + report[:-4]) != int.from_bytes(report[-4:], "little"):
-            return None
-        at = 2
-    elif report[0] == USB:
-        at = 1
-    else:
+    # the check includes 0xA1, which precedes the report on the radio link
+    check = int.from_bytes(report[-4:], "little")
+    if report[0] == BLUETOOTH and zlib.crc32(b"\xa1" + report[:-4]) != check:
         return None
     *numbers, clock = _MOTION.unpack_from(report, at + 15)
     return report[at + 6], clock, numbers[3:] + numbers[:3]
@@ -168,14 +164,10 @@ def joycon_units(report: bytes) -> tuple[int, PadUnits] | None:
     address = int.from_bytes(report[15:19], "little")
     if report[14:15] != bytes([READ_MEMORY]) or (address, report[19]) not in JOYCON_MEMORY:
         return None
-    data = report[20 : 20 + report[19]]
-    if address == USER:
-        if data[:2] != USER_MARK:
-            return None
-        data = data[2:]
-    if len(data) < _MEMORY.size:
+    data, mark = report[20 : 20 + report[19]], USER_MARK if address == USER else b""
+    if not data.startswith(mark) or len(data) < len(mark) + _MEMORY.size:
         return None
-    numbers = _MEMORY.unpack_from(data)
+    numbers = _MEMORY.unpack_from(data, len(mark))
     offsets, scales = (*numbers[:3], *numbers[6:9]), (*numbers[3:6], *numbers[9:12])
     ranges = [(scale, scale - offset) for offset, scale in zip(offsets, scales, strict=True)]
     if not all(span and abs(scale / span - 1.0) <= _TOLERANCE for scale, span in ranges):
