@@ -113,34 +113,7 @@ class ArrivalClock:
         return max(expected + math.sqrt(2.0) * gain * error, self._time + 0.1 * elapsed)
 
 
-MODULO = 1 << 16
-
-
-class SequenceCheck:
-    """Counts missing samples and drops repeated ones; readings without a number pass."""
-
-    def __init__(self, counters: Counters) -> None:
-        self._counters = counters
-        self._last: int | None = None
-
-    def is_new(self, reading: Reading) -> bool:
-        """Return whether a reading isn't a repetition; count the missing ones before it."""
-        if "sequence" not in reading:
-            return True
-        number = int(reading["sequence"]) % MODULO
-        last, self._last = self._last, number
-        if last is None:
-            return True
-        step = (number - last) % MODULO
-        if step == 0:
-            self._counters.repeated += 1
-            return False
-        # a step of half the range or more means that the device has restarted
-        if step < MODULO // 2:
-            self._counters.lost += step - 1
-        return True
-
-
+MODULO = 1 << 16  # of a sequence number
 TIMEOUT_S = 1.5  # time without valid data after which the stream is reported
 RETRY_S = 0.2  # time between attempts to detect a stream that was reported
 Sample = tuple[float, Reading]  # time, s, and reading
@@ -158,7 +131,7 @@ class Stream:
         self._pending = bytearray()
         self._decoder: Decoder | None = None
         self._clock: StampClock | ArrivalClock | None = None
-        self._sequence = SequenceCheck(counters)
+        self._number: int | None = None
         self._columns = sensor.columns
         self._began: float | None = None
         self._tried = -1e300
@@ -186,7 +159,7 @@ class Stream:
             readings = self._detect(data, arrival_s)
         else:
             readings = self._decoder.feed(data)
-        readings = [reading for reading in readings if self._sequence.is_new(reading)]
+        readings = [reading for reading in readings if self._is_new(reading)]
         if not readings:
             return []
         if self._clock is None:
@@ -194,6 +167,22 @@ class Stream:
             self._clock = StampClock(self._counters) if stamped else ArrivalClock()
         times = self._clock.times(readings, arrival_s)
         return [(at, one) for at, one in zip(times, readings, strict=True) if at is not None]
+
+    def _is_new(self, reading: Reading) -> bool:
+        """Return whether a reading isn't a repetition; count the missing ones before it."""
+        if "sequence" not in reading:
+            return True
+        last, self._number = self._number, int(reading["sequence"]) % MODULO
+        if last is None:
+            return True
+        step = (self._number - last) % MODULO
+        if step == 0:
+            self._counters.repeated += 1
+            return False
+        # a step of half the range or more means that the device has restarted
+        if step < MODULO // 2:
+            self._counters.lost += step - 1
+        return True
 
     def _detect(self, data: bytes, arrival_s: float) -> list[Reading]:
         self._pending += data

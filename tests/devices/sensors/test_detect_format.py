@@ -3,8 +3,9 @@ from __future__ import annotations
 import pytest
 
 from overview_dsp.devices.sensors.decoders import ENOUGH, DetectedFormat, detect
+from overview_dsp.devices.sensors.profile import Sensor
 from overview_dsp.devices.sensors.reading import ACCELERATION, ANGULAR_VELOCITY, Counters
-from overview_dsp.devices.sensors.stream import SequenceCheck
+from overview_dsp.devices.sensors.stream import Stream
 from tests.devices.sensors.streams import frame_stream
 
 
@@ -66,8 +67,10 @@ def test_noise_is_reported_with_a_remedy():
 
 def numbered(*numbers: int) -> tuple[list[int], Counters]:
     counters = Counters()
-    check = SequenceCheck(counters)
-    return [number for number in numbers if check.is_new({"sequence": float(number)})], counters
+    stream = Stream(Sensor(values={"stream.format": "json"}), counters)
+    sent = "".join(f'\n{{"sequence": {number}, "roll_deg": 1.0}}' for number in numbers)
+    samples = stream.feed(f"{sent}\n".encode(), 0.0)
+    return [int(reading["sequence"]) for _, reading in samples], counters
 
 
 def test_missing_samples_are_counted_over_the_wrap_and_repeated_ones_dropped():
