@@ -318,11 +318,10 @@ def felt_above(one: FeltEvents, rows: BoolArray, weakest: str) -> BoolArray:
     """Return which rows are detected and stronger than every distant event of the weakest kind."""
     on = one.reached & rows
     gap_s = MIN_PULSE_GAP_MS / 1e3
+    first_s, last_s = one.first_s[on], one.last_s[on]
     below = -np.inf
     for row in np.flatnonzero(one.of(weakest) & one.reached & ~rows).tolist():
-        near = (one.first_s[row] < one.last_s[on] + gap_s) & (
-            one.first_s[on] < one.last_s[row] + gap_s
-        )
+        near = (one.first_s[row] < last_s + gap_s) & (first_s < one.last_s[row] + gap_s)
         if not near.any():
             below = max(below, float(one.level_db[row]))
     return np.asarray(on & one.detected & (np.nan_to_num(one.level_db, nan=-np.inf) > below))
