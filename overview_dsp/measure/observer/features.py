@@ -75,18 +75,15 @@ def stroke_features(
         if modality == "both":
             alone = audible[_nearest(touched, audible) > TOGETHER_MS]
             at = np.sort(np.concatenate([touched, alone]))
-        columns: list[FloatArray] = []
-        names: list[str] = []
+        columns: dict[tuple[str, ...], FloatArray] = {}
         if modality != "sound":
-            columns.append(_touch_columns(level, at, touched))
-            names += TOUCH_FEATURES
+            columns[TOUCH_FEATURES] = _touch_columns(level, at, touched)
         if modality != "touch":
-            columns.append(_sound_columns(samples[:, CLICK], sample_rate, click, at))
-            names += SOUND_FEATURES
+            columns[SOUND_FEATURES] = _sound_columns(samples[:, CLICK], sample_rate, click, at)
         if pace is not None:
-            columns.append(pace[np.minimum(at, len(pace) - 1)][:, None])
-            names.append(PACE)
-        found[modality] = StrokeFeatures(at, np.hstack(columns), tuple(names))
+            columns[(PACE,)] = pace[np.minimum(at, len(pace) - 1)][:, None]
+        names = tuple(name for group in columns for name in group)
+        found[modality] = StrokeFeatures(at, np.hstack(list(columns.values())), names)
     return found
 
 
