@@ -121,9 +121,8 @@ class _Grower:
             lower = self._sums(rows[below], node[below], nodes)
             n_below = np.bincount(node[below], minlength=nodes)
             with np.errstate(invalid="ignore", divide="ignore"):
-                purity = sum(
-                    (part**2).sum(axis=1) / part.sum(axis=1) for part in (lower, sums - lower)
-                )
+                sides = (lower, sums - lower)
+                purity = sum((side**2).sum(axis=1) / side.sum(axis=1) for side in sides)
             better = (n_below >= MIN_SAMPLES) & (size - n_below >= MIN_SAMPLES) & (purity > best)
             best = np.where(better, purity, best)
             found, threshold = np.where(better, feature, found), np.where(better, value, threshold)
