@@ -191,14 +191,11 @@ def train_observer(
     classes = np.concatenate([_classes(stroke, modality, len(kinds)) for stroke in strokes])
     if not len(features):
         return None, names
-    samples = np.concatenate(
-        [add_sensory_noise(features, names, rng) for _ in range(TRAINING_DRAWS)]
-    )
+    drawn = [add_sensory_noise(features, names, rng) for _ in range(TRAINING_DRAWS)]
     # the weight of a kind is the inverse root of its frequency
     weights = np.bincount(classes)[classes] ** -0.5
-    return fit_forest(
-        samples, np.tile(classes, TRAINING_DRAWS), np.tile(weights, TRAINING_DRAWS), rng
-    ), names
+    classes, weights = (np.tile(one, TRAINING_DRAWS) for one in (classes, weights))
+    return fit_forest(np.concatenate(drawn), classes, weights, rng), names
 
 
 def evaluate_observer(
@@ -212,8 +209,7 @@ def evaluate_observer(
     """Evaluate an observer on strokes, with `DRAWS` draws of sensory noise each."""
     groups = groups_of(kinds)
     group_names = tuple(dict.fromkeys(groups))
-    nothing = len(kinds)
-    single = Tally(kinds, np.arange(nothing + 1))
+    single = Tally(kinds, np.arange(len(kinds) + 1))
     groups_of_kinds = [*(group_names.index(group) for group in groups), len(group_names)]
     grouped = Tally(group_names, np.array(groups_of_kinds))
     counts = [len(stroke.features[modality].at_ms) for stroke in strokes]
