@@ -148,9 +148,8 @@ class Tally:
         named: dict[int, list[int]] = {}
         true = self.group[kinds].tolist()
         last: dict[int, tuple[int, int]] = {}
-        for at, name, row in zip(
-            at_ms.tolist(), self.group[answers].tolist(), owner.tolist(), strict=True
-        ):
+        onsets = zip(at_ms.tolist(), self.group[answers].tolist(), owner.tolist(), strict=True)
+        for at, name, row in onsets:
             named.setdefault(row, []).append(name)
             if name == nothing:
                 continue
