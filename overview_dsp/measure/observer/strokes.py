@@ -116,12 +116,7 @@ MOVEMENTS: tuple[Movement, ...] = ("all", "steady", "arm", "mixed")
 RECOIL_OF = "2 s"  # sweep whose recoil is observed; the recoils of all sweeps are similar
 
 STEADY: Mapping[str, Gesture] = {
-    "1 s": sweep(1.0),
-    RECOIL_OF: sweep(2.0),
-    "4 s": sweep(4.0),
-    "6 s": sweep(6.0),
-    "15 s": sweep(15.0),
-    "30 s": sweep(30.0),
+    **{f"{seconds} s": sweep(seconds) for seconds in (1, 2, 4, 6, 15, 30)},
     "tap": tap(1.0, 3.0),
 }
 """Steady movements. The tap is held until a slow disk has arrived."""
