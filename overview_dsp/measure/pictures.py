@@ -179,7 +179,7 @@ SECONDS_EACH = 0.3  # time of the sweep between two events, long enough to disti
 def gallery(preset: Preset) -> Timeline:
     """Return a timeline with each kind of the preset, twice in a row if there are few."""
     repeats = REPEATS if len(preset.kinds) < MANY else 1
-    return _gallery(f"{preset.title}: every kind", list(preset.kinds), repeats)
+    return _gallery(preset, list(preset.kinds), repeats)
 
 
 def pages(preset: Preset) -> tuple[Timeline, ...]:
@@ -187,16 +187,14 @@ def pages(preset: Preset) -> tuple[Timeline, ...]:
     names = list(preset.kinds)
     count = -(-len(names) // PAGE_KINDS)
     # distributed in turn, so that all pages are similarly long
-    return tuple(
-        _gallery(f"{preset.title}: every kind", names[i::count], REPEATS) for i in range(count)
-    )
+    return tuple(_gallery(preset, names[i::count], REPEATS) for i in range(count))
 
 
-def _gallery(title: str, kinds: Sequence[str], repeats: int) -> Timeline:
+def _gallery(preset: Preset, kinds: Sequence[str], repeats: int) -> Timeline:
     names = [name for name in kinds for _ in range(repeats)]
     length = SECONDS_EACH * (len(names) + 1)
     events = tuple(Event(SECONDS_EACH * (i + 1), name, name) for i, name in enumerate(names))
-    return Timeline(title=title, duration_s=length, events=events)
+    return Timeline(f"{preset.title}: every kind", length, events)
 
 
 def audition(preset: Preset, seed: int = 0) -> RenderResult:
