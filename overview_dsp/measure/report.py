@@ -189,6 +189,10 @@ class StrokeReport:
         )
 
 
+def _spread(kind: KindFeel, width: int) -> str:
+    return f"{f'{cell(kind.low_db, 0, 0)} .. {cell(kind.high_db, 0, 0)}':>{width}}"
+
+
 _COLUMNS: tuple[tuple[str, str, int, Callable[[KindFeel, int], str]], ...] = (
     ("events", "", 7, lambda kind, width: f"{kind.events:>{width}}"),
     ("missed", "", 8, lambda kind, width: f"{kind.missed:>{width}}"),
@@ -196,12 +200,7 @@ _COLUMNS: tuple[tuple[str, str, int, Callable[[KindFeel, int], str]], ...] = (
     ("merged", "", 8, lambda kind, width: f"{kind.merged:>{width}}"),
     ("lost", "", 6, lambda kind, width: f"{kind.lost:>{width}}"),
     ("level", "dB", 8, lambda kind, width: cell(kind.level_db, width)),
-    (
-        *("10 to 90 %", "dB", 12),
-        lambda kind, width: (
-            f"{f'{cell(kind.low_db, 0, 0)} .. {cell(kind.high_db, 0, 0)}':>{width}}"
-        ),
-    ),
+    ("10 to 90 %", "dB", 12, _spread),
     ("contrast", "dB", 10, lambda kind, width: cell(kind.contrast_db, width)),
     ("sharpness", "N m/s", 11, lambda kind, width: cell(kind.sharpness, width, 3)),
     ("lasts", "ms", 7, lambda kind, width: cell(kind.duration_ms, width, 0)),
