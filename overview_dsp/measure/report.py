@@ -465,9 +465,8 @@ def _median(values: Any) -> float:
 
 def _stroke_features(one: FeltEvents) -> tuple[float, float, float]:
     """Return level (dB), sharpness (N m/s) and density (per second) of a stroke."""
-    level = one.level[
-        HALF_WINDOW_MS : int(1e3 * one.arrived_s) - HALF_WINDOW_MS : round(PULSE_HOP_S * 1e3)
-    ]
+    end = int(1e3 * one.arrived_s) - HALF_WINDOW_MS
+    level = one.level[HALF_WINDOW_MS : end : round(PULSE_HOP_S * 1e3)]
     if not len(level):
         return math.nan, one.slope, 0.0
     return float(np.median(level)), one.slope, len(pulse_indices(level)) / one.arrived_s
