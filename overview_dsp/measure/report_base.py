@@ -6,7 +6,7 @@ import math
 from abc import ABC, abstractmethod
 from collections.abc import Iterable, Mapping
 from dataclasses import fields, is_dataclass
-from typing import Any, ClassVar, TypeVar
+from typing import Any, TypeVar
 
 from overview_dsp.errors import InputError, did_you_mean, quoted
 
@@ -15,9 +15,6 @@ T = TypeVar("T")
 
 class Report(ABC):
     """Measurements of a preset."""
-
-    _digits: ClassVar[int] = 4
-    """Decimal places of the numbers for JSON, unless a field's metadata has `digits`."""
 
     def to_json(self) -> dict[str, Any]:
         """Return the report as data for JSON; a quantity of events that were not felt is None.
@@ -68,7 +65,7 @@ class Report(ABC):
         return list(self._warning_lines())
 
     def _plain(self) -> dict[str, Any]:
-        return dict(plain_data(self, self._digits))
+        return dict(plain_data(self))
 
     @abstractmethod
     def _lines(self) -> Iterable[str]:
@@ -95,7 +92,7 @@ def cell(value: float, width: int, digits: int = 1) -> str:
     return f"{text:>{width}}"
 
 
-def plain_data(value: Any, digits: int) -> Any:
+def plain_data(value: Any, digits: int = 4) -> Any:
     """Return texts, rounded numbers and lists, and a dataclass as a dict; NaN is None.
 
     A field with `digits` in its metadata is rounded to that many decimal places.
