@@ -225,9 +225,8 @@ def _split(
     """Return the timelines of the search, with all kinds, and made ones that are held out."""
     searched, held_out = timelines[::2], timelines[1::2]
     wanted = set(target) & {kind for one in timelines for kind in one.kinds()}
-    if target and all(
-        wanted <= {k for one in part for k in one.kinds()} for part in (searched, held_out)
-    ):
+    present = ({kind for one in part for kind in one.kinds()} for part in (searched, held_out))
+    if target and all(wanted <= kinds for kinds in present):
         return searched, ()
     copies = HELD_OUT if len(timelines) == 1 else 1
     return timelines, tuple(rearranged(one, rng) for one in timelines for _ in range(copies))
@@ -240,12 +239,10 @@ def rearranged(timeline: Timeline, rng: np.random.Generator) -> Timeline:
     spans = np.diff(before, prepend=0.0) + 1e-3
     order = rng.permutation(len(spans))
     times = np.minimum(np.cumsum(spans[order]) * (before[-1] / spans.sum()), before[-1])
-    events = (
-        replace(timeline.events[i], time_s=s) for i, s in zip(order, times.tolist(), strict=True)
-    )
-    return replace(
-        timeline, title=f"{timeline.title or 'a timeline'}, rearranged", events=tuple(events)
-    )
+    moved = zip(order, times.tolist(), strict=True)
+    events = tuple(replace(timeline.events[i], time_s=time_s) for i, time_s in moved)
+    title = f"{timeline.title or 'a timeline'}, rearranged"
+    return replace(timeline, title=title, events=events)
 
 
 def _check_target(
