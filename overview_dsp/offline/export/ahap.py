@@ -218,10 +218,8 @@ class Ahap(Part):
                     "point's time counts from its curve's"
                 )
         for event in self.events:
-            if (
-                event.EventType == CONTINUOUS
-                and not 0.0 < event.end_s - event.Time <= LONGEST_EVENT_S
-            ):
+            lasts_s = event.end_s - event.Time
+            if event.EventType == CONTINUOUS and not 0.0 < lasts_s <= LONGEST_EVENT_S:
                 yield (
                     f"EventDuration at {event.Time:g} s is {event.EventDuration:g}; "
                     f"must be more than 0 and at most {LONGEST_EVENT_S:g} s"
