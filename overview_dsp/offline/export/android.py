@@ -41,12 +41,13 @@ def _amplitude(value: int, info: ValidationInfo) -> int:
     return value
 
 
+Milliseconds = Annotated[int, Field(ge=1), Allowed("1 ms or more")]
+
+
 class Waveform(Part):
     """Amplitudes (0 to 255) and their durations in ms."""
 
-    timings: Annotated[
-        list[Annotated[int, Field(ge=1), Allowed("1 ms or more")]], Field(min_length=1)
-    ]
+    timings: Annotated[list[Milliseconds], Field(min_length=1)]
     amplitudes: Annotated[list[Annotated[int, AfterValidator(_amplitude)]], Field(min_length=1)]
     repeat: Literal[-1]
 
