@@ -323,6 +323,5 @@ def _parts(band: str, effect: Effect, gain: float) -> list[Wave]:
             for start, level in zip(at, levels, strict=True)
         ]
     amplitude = np.interp(np.arange(at[-1] + 1), at, levels)
-    return [
-        (effect.position, amplitude, effect.keyframes[0].frequency_modulation or 0, effect.phase)
-    ]
+    hz = effect.keyframes[0].frequency_modulation or 0
+    return [(effect.position, amplitude, hz, effect.phase)]
