@@ -48,11 +48,6 @@ class Image:
     values: tuple[float, ...]
     map: tuple[tuple[float, float], ...]
 
-    @property
-    def digest(self) -> str:
-        """SHA-256 digest in hexadecimal."""
-        return hashlib.sha256(self.data).hexdigest()
-
 
 @dataclass(frozen=True)
 class Bundle:
@@ -246,8 +241,9 @@ def bundle_source(bundle: Bundle) -> Iterator[str]:
     at = 0
     for number, image in enumerate(bundle.images):
         size, points = len(image.data), f"map_{number}, {len(image.map)}"
+        digest = _quoted(hashlib.sha256(image.data).hexdigest())
         tail = f"{image.tail_s.hex()}, {image.tail_per_octave_s.hex()}"
-        yield f"    {{{_quoted(image.digest)}, {at}, {size}, {tail}, {points}}},\n"
+        yield f"    {{{digest}, {at}, {size}, {tail}, {points}}},\n"
         at += size
     yield '};\n#include "data.h"\n'
 
