@@ -276,9 +276,8 @@ def description(bundle: Bundle) -> str:
                 'lv2:name "Timeline" ; lv2:default 0.0 ; lv2:minimum 0.0 ; '
                 f"lv2:maximum {len(bundle.timelines) - 1}.0{_enumeration(bundle.timelines)}"
             )
-        listed = " ,\n    ".join(
-            f"[ {port} ; lv2:index {index} ]" for index, port in enumerate(ports)
-        )
+        numbered = (f"[ {port} ; lv2:index {index} ]" for index, port in enumerate(ports))
+        listed = " ,\n    ".join(numbered)
         plugins.append(
             f"<{bundle.uri(number)}> a lv2:InstrumentPlugin , lv2:Plugin ; "
             f"doap:name {_text(name)} ;\n"
