@@ -189,13 +189,11 @@ def export(
     budget = max(2, round(points_per_s * clip.duration_s))
     files, played, points = _BAKES[to](clip, budget)
     stem = target.with_suffix("") if target.suffix else target
-    written: list[Path] = []
-    for suffix, data in files.items():
-        place = stem.with_name(stem.name + suffix) if written else target
+    places = [target, *(stem.with_name(stem.name + suffix) for suffix in list(files)[1:])]
+    for place, data in zip(places, files.values(), strict=True):
         write_file(place, data)
-        written.append(place)
     players = {
         name: perceptual_error(level, clip.level, clip.transients) for name, level in played.items()
     }
     error = next(iter(players.values()))
-    return ExportResult(tuple(written), error, points, len(clip.transients), players)
+    return ExportResult(tuple(places), error, points, len(clip.transients), players)
