@@ -178,7 +178,7 @@ def save_transcript(passed: Sequence[PassedEvent], path: str | os.PathLike[str])
     write_file(path, writer_of(path)(passed))
 
 
-MOST = 8  # default number of lines for the way out and for the recoil
+MOST = 8  # highest number of lines for the way out, and for the recoil
 
 
 def transcript(
@@ -186,7 +186,6 @@ def transcript(
     timeline: Timeline,
     engaged: FloatArray | None,
     sample_rate: float,
-    most: int = MOST,
 ) -> tuple[str, ...]:
     """Return one line for each of the strongest strikes of the way out and of the recoil.
 
@@ -194,7 +193,6 @@ def transcript(
     `engaged`: column of the trace, which separates the recoil from the way out; None: all strikes
         count as the way out.
     `sample_rate`: sample rate of `engaged`, Hz.
-    `most`: highest number of lines for each direction.
 
     A line is "1.75 s: goal, 1-0 Perez, at 27:00.0, 12 dB below the strongest".
     """
@@ -204,7 +202,7 @@ def transcript(
         frames = [min(int(one.time_s * sample_rate), len(engaged) - 1) for one in passed]
         touched = [bool(engaged[frame] > 0.5) for frame in frames]
     strongest = np.argsort(-strikes.of_events().level, kind="stable").tolist()
-    kept = [i for way in (True, False) for i in [i for i in strongest if touched[i] == way][:most]]
+    kept = [i for way in (True, False) for i in [i for i in strongest if touched[i] == way][:MOST]]
     lines = []
     for i in sorted(kept):
         event, below = passed[i].event, round(passed[i].below_db)
