@@ -60,6 +60,7 @@ class GesturePlayer:
     """Plays a gesture through a prepared engine, step by step.
 
     A step is `feed`, a block of at most that many frames processed by the engine, and `count`.
+    `least`: number of frames without the tail until rest.
     """
 
     def __init__(self, engine: Engine, gesture: Gesture, tail: Tail, block: int) -> None:
@@ -70,12 +71,8 @@ class GesturePlayer:
         self._stamps = stamps = gesture.stamps(rate)
         length = max(round(gesture.duration_s * rate), int(stamps[-1]) + 1 if len(stamps) else 0)
         self._to_rest = tail == "rest"
-        if tail == "none":
-            self._end = self._most = length
-        elif tail == "rest":
-            self._end, self._most = length, length + round(LONGEST_TAIL_S * rate)
-        else:
-            self._end = self._most = length + round(tail * rate)
+        self.least = length if isinstance(tail, str) else length + round(tail * rate)
+        self._most = self.least + (round(LONGEST_TAIL_S * rate) if self._to_rest else 0)
         self._quiet = round(REST_S * rate)
         self._start = engine.sample_time
         self._whole = engine.timeline
@@ -89,14 +86,9 @@ class GesturePlayer:
         return self._rested or self._done >= self._most
 
     @property
-    def least(self) -> int:
-        """Number of frames without the tail until rest."""
-        return self._end
-
-    @property
     def part(self) -> float:
         """Progress, 0 to 1, without the tail until rest."""
-        return min(1.0, self._done / max(1, self._end))
+        return min(1.0, self._done / max(1, self.least))
 
     def feed(self) -> int:
         """Push the gesture's next events to the engine; return the number of frames to process."""
@@ -135,7 +127,7 @@ class GesturePlayer:
         """
         self._done += frames
         meters = self._engine.meters
-        at_rest = min(meters.silent_samples, meters.still_samples, self._done - self._end)
+        at_rest = min(meters.silent_samples, meters.still_samples, self._done - self.least)
         if silent_samples is not None:
             at_rest = min(at_rest, silent_samples)
         self._rested = self._to_rest and at_rest >= self._quiet
