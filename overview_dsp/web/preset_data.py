@@ -81,9 +81,8 @@ def _check_parent(text: str, name: str) -> None:
         parent = tomllib.loads(text).get("extends")
     except tomllib.TOMLDecodeError:
         return  # the parser reports the error in detail
-    if isinstance(parent, str) and (
-        parent == name or parent not in (*bundled_presets(), *user_presets())
-    ):
+    others = {*bundled_presets(), *user_presets()} - {name}
+    if isinstance(parent, str) and parent not in others:
         raise InputError(
             f"extends is {parent[:70]!r}; must be another preset of yours or a bundled one"
         )
