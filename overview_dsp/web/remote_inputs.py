@@ -229,10 +229,7 @@ class RemoteInputs:
             return
         touching_inputs = [one for one in self._inputs if one.touching]
         self._active = max(touching_inputs, key=lambda one: one.touch_number, default=None)
-        if self._active is None:
-            self._push(theta2, False, stamp)
-        else:
-            self._push(self._active.theta2, True, stamp)
+        self._push((self._active or remote).theta2, self._active is not None, stamp)
 
     def _push(self, theta2: float, touching: bool, stamp: int) -> None:
         """Push an event into the ring; while the engine is stopped, only releases."""
