@@ -45,13 +45,8 @@ class PageClock:
             self._pings.append((received_s - sent_s, page_s - 0.5 * (sent_s + received_s)))
 
     @property
-    def is_synchronised(self) -> bool:
-        """True after the first answered ping."""
-        return bool(self._pings)
-
-    @property
     def round_trip_s(self) -> float | None:
-        """Round trip of the last ping; None before the first."""
+        """Round trip of the last ping; None before the first answer."""
         return self._pings[-1][0] if self._pings else None
 
     def host_time(self, page_s: float) -> float:
@@ -204,7 +199,7 @@ class RemoteInputs:
     def _stamp(self, remote: RemoteInput, event: RemoteEvent, now: float) -> int:
         """Return the sample of an event, within the near future."""
         event_s = now
-        if remote.clock.is_synchronised:
+        if remote.clock.round_trip_s is not None:
             # a page's clock may be wrong
             event_s = min(max(remote.clock.host_time(event.time_s), now - 1.0), now)
         remote.delay.add(now, min(max(now - event_s, 0.0), MAX_DELAY_S))
