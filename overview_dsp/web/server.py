@@ -153,16 +153,15 @@ class HttpConnection(_SlowReaderLimit, H11Protocol):
 
     def _start_deadline(self) -> None:
         answered = self.cycle is not None and self.cycle.response_complete
-        idle = self.conn.their_state is h11.IDLE and not self.transport.is_closing()
+        closing = self.transport.is_closing()
+        idle = self.conn.their_state is h11.IDLE and not closing
         if not idle:
             self._idle_since = None
         elif self._idle_since is None:
             self._idle_since = self.loop.time()
-        if self.transport.is_closing():
-            self._request.cancel()
-        elif idle:
+        if idle:
             self._request.set(self.transport, REQUEST_TIMEOUT_S)
-        elif self.conn.their_state is h11.SEND_BODY and answered:
+        elif self.conn.their_state is h11.SEND_BODY and answered and not closing:
             self._request.set(self.transport, BODY_TIMEOUT_S)
         else:
             self._request.cancel()
