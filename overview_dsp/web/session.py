@@ -47,17 +47,16 @@ class HostSession(Input):
 
     def status(self) -> dict[str, Any]:
         """Return the state of the disk for a page."""
-        player = self.player
+        player, preset = self.player, self.player.engine.preset
         meters = player.engine.meters
         return {
             "cursor": round(meters.cursor, 6),
             "touching": meters.touching,
             "torque_nm": meters.torque,
             "envelope": round(meters.envelope, 4),
-            "reference_torque_nm": 1e-3
-            * player.engine.preset.number("tactor.reference_torque_mnm"),
+            "reference_torque_nm": 1e-3 * preset.number("tactor.reference_torque_mnm"),
             "window": list(player.window),
-            "preset": player.engine.preset.name,
+            "preset": preset.name,
             "output_ms": round(player.output.meters.latency_s * 1e3, 2),
         }
 
