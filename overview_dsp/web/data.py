@@ -140,10 +140,10 @@ def data_routes(
                 served() != content.preset or current_timeline() is not content.timeline
             ):
                 content = new_content()
-            if name not in content.names:
+            if name not in content.files:
                 return PlainTextResponse("not found\n", 404)
             kind = JSON if name.endswith(".json") else BINARY
-            return Response(content.make(name), media_type=kind)
+            return Response(content.files[name](), media_type=kind)
 
     def window(request: Request, body: bytes) -> Response:
         query = json_object(body)

@@ -38,6 +38,7 @@ class SiteContent:
     `actuator`: actuator of the tactor's signal.
     `server`: features of the server (`data`); None in a static folder.
     `live`: settings of a live timeline (`live_data`, `static_publisher`).
+    `files`: functions that make the bytes of each file, by its path, window by window.
     """
 
     def __init__(
@@ -57,36 +58,27 @@ class SiteContent:
         self._seed = seed
         self._actuator = actuator
         self._server, self._live = server, live
-        self._files: dict[str, Callable[[], bytes]] = {"data/timeline.json": self._timeline_file}
+        self.files: dict[str, Callable[[], bytes]] = {"data/timeline.json": self._timeline_file}
         # files of one window are requested together
         self._surface = lru_cache(maxsize=1)(self._build)
         self._sound = lru_cache(maxsize=1)(lambda i: self._at_rate(i, RATES[0]))
         for i in range(len(self.parts)):
-            self._files[f"data/window-{i}.json"] = partial(self._window, i)
+            self.files[f"data/window-{i}.json"] = partial(self._window, i)
             if has_values(timeline) and (i == 0 or not fits_one_file(timeline)):
-                self._files[f"data/points-{i}.json"] = partial(self._points, i)
+                self.files[f"data/points-{i}.json"] = partial(self._points, i)
             if i == 0:
                 self._add_sound("0", -1)
             if len(self.parts) > 1:
                 self._add_sound("back" if i == 0 else str(i), i)
 
-    @property
-    def names(self) -> tuple[str, ...]:
-        """The paths of all files, window by window."""
-        return tuple(self._files)
-
     def is_needed_first(self, name: str) -> bool:
         """Return whether a page needs a file to show and play the whole timeline."""
         return name in FIRST or name.startswith(("sound/0.", "sound/0-"))
 
-    def make(self, name: str) -> bytes:
-        """Return the bytes of a file; raise KeyError for an unknown name."""
-        return self._files[name]()
-
     def _add_sound(self, name: str, i: int) -> None:
-        self._files[f"sound/{name}.packed"] = lambda: pack(self._sound(i))
+        self.files[f"sound/{name}.packed"] = lambda: pack(self._sound(i))
         for rate in RATES[1:]:
-            self._files[f"sound/{name}-{rate}.patch"] = partial(self._patch, i, rate)
+            self.files[f"sound/{name}-{rate}.patch"] = partial(self._patch, i, rate)
 
     def _timeline_file(self) -> bytes:
         content = timeline_json(self.timeline, self.preset, self.parts, RATES)

@@ -131,10 +131,10 @@ def write_site(
                 file = start_page(file.decode(), timeline, address).encode()
             put(name, file, "page")
         put(PICTURE, preview_picture(timeline, preset), "more")
-        for i, name in enumerate(content.names):
-            put(name, content.make(name), "page" if content.is_needed_first(name) else "more")
+        for i, (name, make) in enumerate(content.files.items(), 1):
+            put(name, make(), "page" if content.is_needed_first(name) else "more")
             if progress is not None:
-                progress((i + 1) / len(content.names))
+                progress(i / len(content.files))
         files = {"version": digest.hexdigest()[:16], **listed}
         (folder / MARKER_FILE).write_text(f"self.FILES = {json.dumps(files)};\n", encoding="utf-8")
     return size
