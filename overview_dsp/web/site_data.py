@@ -48,7 +48,7 @@ from numpy.typing import NDArray
 
 from overview_dsp.arrays import FloatArray, IntArray
 from overview_dsp.data.analysis.series_events import KINDS as SERIES_KINDS
-from overview_dsp.data.timeline import Timeline
+from overview_dsp.data.timeline import Intensity, Timeline
 from overview_dsp.data.timeline.gaps import in_gap
 from overview_dsp.data.timeline.ticks import KINDS as TICKS
 from overview_dsp.data.timeline.time_expressions import NARROWEST_S
@@ -88,7 +88,7 @@ def series_json(timeline: Timeline) -> dict[str, Any] | None:
         "unit": timeline.intensity.unit,
         "decimals": _decimals(sample),
         "complete": fits_one_file(timeline),
-        "has_times": _has_times(timeline),
+        "has_times": _has_times(timeline.intensity),
     }
 
 
@@ -182,10 +182,8 @@ def _rounded(row: FloatArray) -> list[float | None]:
     return [None if math.isnan(one) else round(one, 4) for one in row.tolist()]
 
 
-def _has_times(timeline: Timeline) -> bool:
+def _has_times(curve: Intensity) -> bool:
     """Return whether some points aren't whole days apart."""
-    curve = timeline.intensity
-    assert curve is not None
     index = np.unique(np.linspace(0, curve.count - 1, _SAMPLE_SIZE).astype(np.int64))
     days = np.diff(curve.points.times_of(index)) / 86_400
     return bool((np.abs(days - np.round(days)) > 1e-3).any())
