@@ -195,9 +195,8 @@ def _decimals(values: NDArray[np.generic]) -> int:
     span = float(np.ptp(doubles))
     limit = _MAX_DIGITS - 1 - (math.floor(math.log10(span)) if span > 0 else 0)
     limit = min(max(limit, 2), 12)
-    exact = (
-        n for n in range(limit) if np.allclose(np.round(doubles, n), doubles, rtol=1e-6, atol=0.0)
-    )
+    rounded = ((n, np.round(doubles, n)) for n in range(limit))
+    exact = (n for n, row in rounded if np.allclose(row, doubles, rtol=1e-6, atol=0.0))
     return next(exact, limit)
 
 
