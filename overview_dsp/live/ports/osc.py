@@ -23,11 +23,10 @@ full."""
 MAX_DATAGRAM_BYTES = 65_535
 
 
-def parse_address(text: str, host: str = HOST) -> tuple[str, int]:
+def parse_address(text: str) -> tuple[str, int]:
     """Parse host and port from `9000`, `0.0.0.0:9000` or `[::1]:9000`; InputError."""
     prefix, colon, number = text.rpartition(":")
-    if colon:
-        host = prefix.removeprefix("[").removesuffix("]")
+    host = prefix.removeprefix("[").removesuffix("]") if colon else HOST
     if not (number.isascii() and number.isdigit() and 0 < int(number[:6]) < 65536) or not host:
         raise InputError(f"{text!r} must be PORT or HOST:PORT, such as 9000 or 0.0.0.0:9000")
     return host, int(number)
