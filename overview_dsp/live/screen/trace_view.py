@@ -107,14 +107,12 @@ class MetersView(Static):
         if not narrow:
             text.append(position, "bold")
         click, tactor = status.settings.signals
-        peaks = ((status.peak_click, click.mute), (status.peak_tactor, tactor.mute))
-        for index, (name, (peak, muted)) in enumerate(
-            zip(("click ", "tactor"), peaks, strict=True)
-        ):
+        rows = (("click ", status.peak_click, click), ("tactor", status.peak_tactor, tactor))
+        for index, (name, peak, signal) in enumerate(rows):
             level = max(gain_to_db(peak), FLOOR_DB)
             held = self._held[index] = max(level, self._held[index] - HOLD_FALL_DB, FLOOR_DB)
             text.append(f"\n{name} ").append(bar(1.0 - held / FLOOR_DB), "green")
-            text.append(f" {level_text(held)}" + ("   muted" if muted else ""))
+            text.append(f" {level_text(held)}" + ("   muted" if signal.mute else ""))
         text.append(
             f"\n{status.output}, {status.callback} callback, {status.sample_rate:g} Hz, "
             f"{status.block_size} frames, latency {stream.latency_s * 1e3:.1f} ms"
