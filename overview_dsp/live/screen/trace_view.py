@@ -66,9 +66,8 @@ class TraceView(Widget):
         marks = "".join(list(self._rows[y])[-room:]) if room else ""
         text = f"{NAMES[y]} {marks.rjust(room)}"[:width]
         split = min(len(NAMES[y]) + 1, width)
-        return Strip(
-            [Segment(text[:split], Style(dim=True)), Segment(text[split:], Style(color=COLOURS[y]))]
-        )
+        name = Segment(text[:split], Style(dim=True))
+        return Strip([name, Segment(text[split:], Style(color=COLOURS[y]))])
 
 
 def _block(part: float) -> str:
