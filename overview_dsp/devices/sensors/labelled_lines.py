@@ -266,11 +266,8 @@ class LabelledReader:
                 return {} if shape in shapes else None
         self._numbers.append(numbers)
         at, self._at = self._at, (self._at + 1) % len(shapes)
-        reading: Reading = {}
-        if at == self._last:
-            reading = {
-                name: self._numbers[line][nth] for name, (line, nth) in self._cycle.columns.items()
-            }
+        places = self._cycle.columns.items() if at == self._last else ()
+        reading = {name: self._numbers[line][nth] for name, (line, nth) in places}
         if self._at == 0:
             self._numbers = []
         return reading
