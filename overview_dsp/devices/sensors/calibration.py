@@ -99,9 +99,8 @@ class GyroTilt:
         stretch = elapsed_s / (steps * self._period)
         for n in range(1, steps + 1):
             # rotation since the previous step: the speed half way
-            gyr = self._angular_velocity + (speed_now - self._angular_velocity) * (
-                (n - HALF_WAY) / steps
-            )
+            part = (n - HALF_WAY) / steps
+            gyr = self._angular_velocity + (speed_now - self._angular_velocity) * part
             acc = self._acceleration + (now - self._acceleration) * (n / steps)
             self._filter.update(gyr * stretch, acc)
         self._acceleration, self._angular_velocity = now, speed_now
@@ -194,9 +193,8 @@ def _mean(vectors: Sequence[Vector]) -> Vector:
 
 def _bias(units: Units, samples: Sequence[RawSample]) -> tuple[Vector, str]:
     """Return the gyroscope's bias (0 if unknown), and a note on why it is unknown."""
-    speeds = [
-        units.angular_velocity_of(one.angular_velocity) for one in samples if one.angular_velocity
-    ]
+    measured = (one.angular_velocity for one in samples)
+    speeds = [units.angular_velocity_of(one) for one in measured if one]
     if not units.gyroscope_known:
         return (0.0, 0.0, 0.0), ""
     if not speeds:
