@@ -67,12 +67,10 @@ class SensorSource(Messages):
         this one.
         """
         self.samples = tuple(self._stream.feed(data, arrival_s))
-        events = [
-            event for sample in self.samples if (event := self._event(sample, disk)) is not None
-        ]
+        events = [self._event(sample, disk) for sample in self.samples]
         if self._stream.problem:
             self.say_once(self._stream.problem)
-        return events
+        return [event for event in events if event is not None]
 
     def release(self) -> Event | None:
         """Release the disk, for example because the sensor is disconnected."""
