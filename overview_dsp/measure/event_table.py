@@ -265,9 +265,8 @@ def felt_events(
     validation.instance(preset, Preset, "preset", "ov.load_preset gives one")
     names = [name for name in gestures for _ in timelines]
     jobs = [RenderJob(each, preset, gesture) for gesture in gestures.values() for each in timelines]
-    results = render_many(
-        jobs, validation.positive(sample_rate, "sample_rate"), tail=tail, trace=True
-    )
+    sample_rate = validation.positive(sample_rate, "sample_rate")
+    results = render_many(jobs, sample_rate, tail=tail, trace=True)
     tables: list[FeltEvents] = []
     for done, (name, result) in enumerate(zip(names, results, strict=True), 1):
         tables += stroke_events(result, name)
