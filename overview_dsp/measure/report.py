@@ -434,9 +434,8 @@ def _stroke(
                 )
             )
     pairs = Counter((a, b) for a, b in zip(kind.tolist(), lost_to.tolist(), strict=True) if b)
-    level_db, sharpness, density = np.median(
-        [_stroke_features(one) for one in tables], axis=0
-    ).tolist()
+    features = [_stroke_features(one) for one in tables]
+    level_db, sharpness, density = np.median(features, axis=0).tolist()
     return StrokeReport(
         name,
         _median([one.free_db for one in tables]) + weight,
