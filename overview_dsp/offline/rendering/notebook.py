@@ -57,9 +57,8 @@ def result_page(
 def _transcript(lines: Sequence[str], passed: int) -> str:
     if not lines:
         return "<p>Transcript: no event is passed.</p>"
-    count = f"{passed} events passed" + (
-        ", the strongest of each way" if len(lines) < passed else ""
-    )
+    shown = ", the strongest of each way" if len(lines) < passed else ""
+    count = f"{passed} events passed{shown}"
     items = "".join(f"<li>{html.escape(line)}</li>" for line in lines)
     return f"<details><summary>Transcript: {count}</summary><ul>{items}</ul></details>"
 
