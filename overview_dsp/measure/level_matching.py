@@ -271,12 +271,10 @@ def _timbre(result: RenderResult, start: int, stop: int) -> tuple[float, float]:
     rate = result.sample_rate
     samples = result.samples[start:stop, CLICK].astype(np.float64)
     count = len(samples) // _FFT
-    if not count:
-        return math.nan, math.nan
     pieces = samples[: count * _FFT].reshape(count, _FFT) * np.hanning(_FFT)
     power = np.abs(np.fft.rfft(pieces, axis=1)) ** 2
     total = power.sum(axis=1)
-    if not total.max() > 0.0:
+    if not total.max(initial=0.0) > 0.0:
         return math.nan, math.nan
     loud = total >= total.max() * 10.0 ** (-_LOUD_DB / 10.0)
     pitch = np.fft.rfftfreq(_FFT, 1.0 / rate)
@@ -284,9 +282,7 @@ def _timbre(result: RenderResult, start: int, stop: int) -> tuple[float, float]:
     level = window_db(result.samples[start:stop, CLICK], rate, PULSE_HOP_S)[1]
     decays = []
     for peak in pulse_indices(level):
-        if level[peak] < level.max() - _LOUD_DB:
-            continue
         below = np.flatnonzero(level[peak:] <= level[peak] - _DECAY_DB)
-        if len(below):
+        if len(below) and level[peak] >= level.max() - _LOUD_DB:
             decays.append(below[0] * PULSE_HOP_S * 1000.0)
     return float(np.median(middle)), float(np.median(decays)) if decays else math.nan
