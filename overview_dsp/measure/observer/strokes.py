@@ -203,19 +203,18 @@ def rendered_strokes(
 def _observed_strokes(
     name: str, result: RenderedJob[Trace], modalities: Sequence[Modality]
 ) -> Iterator[ObservedStroke]:
+    rate = result.sample_rate
     for stroke in strokes(result.trace.engaged, result.trace.cursor):
         outward = stroke.name == "out"
         if not outward and name != RECOIL_OF:
             continue
         frames = slice(stroke.start, stroke.stop)
         furthest = float(result.job.gesture.theta2.max()) / HALF_TURN if outward else -math.inf
-        passed = passed_events(
-            result.surface, result.trace.cursor[frames], result.sample_rate, furthest
-        )
+        passed = passed_events(result.surface, result.trace.cursor[frames], rate, furthest)
         if outward:
-            frames = slice(stroke.start, stroke.stop + round(TRAILING_S * result.sample_rate))
+            frames = slice(stroke.start, stroke.stop + round(TRAILING_S * rate))
         pace = log_pace(result.job.gesture) if name == MIXED else None
-        found = stroke_features(result.samples[frames], result.sample_rate, modalities, pace)
+        found = stroke_features(result.samples[frames], rate, modalities, pace)
         yield ObservedStroke(
             name if outward else RECOIL,
             found,
