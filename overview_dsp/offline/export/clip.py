@@ -217,8 +217,7 @@ def strikes_of(result: RenderResult[Trace | None], felt: FloatArray) -> tuple[Tr
         if not len(own):
             continue
         peak = int(own[np.argmin(np.abs(own - one.time_ms))])
-        onset = peak - ONSET_MS
-        onset = min(max(onset, one.time_ms - NEAR_MS, 0), one.time_ms + NEAR_MS)
+        onset = min(max(peak - ONSET_MS, one.time_ms - NEAR_MS, 0), one.time_ms + NEAR_MS)
         if all(abs(onset - other) >= SEPARATE_MS for _, other, _ in found):
             found.append((one, onset, float(felt[peak])))
     return tuple(
