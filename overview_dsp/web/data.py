@@ -164,9 +164,8 @@ def data_routes(
     def change(request: Request, body: bytes) -> Response:
         query = json_object(body)
         with one_at_a_time:
-            return Response(
-                sound_data.change(current_timeline(), content.preset, query), media_type=BINARY
-            )
+            changed = sound_data.change(current_timeline(), content.preset, query)
+            return Response(changed, media_type=BINARY)
 
     def toml(request: Request, body: bytes) -> Response:
         return PlainTextResponse(preset_toml(parse_preset(json_object(body))))
