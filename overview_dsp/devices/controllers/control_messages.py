@@ -85,7 +85,7 @@ class Command:
 
 
 @dataclass(frozen=True)
-class Due:
+class Scheduled:
     """A movement that applies at a time, s of the monotonic clock."""
 
     time_s: float
@@ -100,7 +100,7 @@ Message = (
     | ScaleParameter
     | StepParameter
     | Command
-    | Due
+    | Scheduled
 )
 
 

@@ -38,9 +38,9 @@ from overview_dsp.devices.controllers.control_messages import (
     AssignedControls,
     Command,
     Counters,
-    Due,
     Message,
     PositionControl,
+    Scheduled,
     SetParameter,
     TouchEnded,
     TouchStarted,
@@ -207,22 +207,22 @@ class OscReader(Messages):
         sender = getattr(data, "sender", "")
         return [
             converted
-            for address, values, due_s in messages
+            for address, values, at_s in messages
             for one in self._convert(address, values, time_s, sender)
-            for converted in [self._due(one, due_s)]
+            for converted in [self._scheduled(one, at_s)]
         ]
 
-    def _due(self, message: Message, due_s: float) -> Message:
+    def _scheduled(self, message: Message, at_s: float) -> Message:
         """Return a message with the time of its bundle, s since 1970, if it is a movement."""
-        if not due_s or not isinstance(message, AngleChanged | TouchStarted | TouchEnded):
+        if not at_s or not isinstance(message, AngleChanged | TouchStarted | TouchEnded):
             return message
         offset_s = time.time() - time.monotonic()
         if abs(offset_s - self._clock_offset_s) > CLOCK_STEP_S:  # the system's clock was set
             self._clock_offset_s = offset_s
-        if due_s - time.time() > LATEST_S:
+        if at_s - time.time() > LATEST_S:
             self.say_once(f"time tags more than {LATEST_S:g} s ahead apply at once")
             return message
-        return Due(due_s - self._clock_offset_s, message)
+        return Scheduled(at_s - self._clock_offset_s, message)
 
     def tick(self, time_s: float) -> list[Message]:
         """Return the ends of touches whose sender is silent: UDP has no connections."""

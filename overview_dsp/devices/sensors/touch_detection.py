@@ -53,14 +53,14 @@ class Event:
     """A control event: time (s), theta2 (rad), touching.
 
     `retouch`: the disk is released and touched at once, which makes this the latest of several
-    inputs. `due_s`: time at which it applies, s of the monotonic clock; None: by `time_s`.
+    inputs. `scheduled_s`: time at which it applies, s of the monotonic clock; None: by `time_s`.
     """
 
     time_s: float
     theta2: float
     touching: bool
     retouch: bool = False
-    due_s: float | None = None
+    scheduled_s: float | None = None
 
 
 class DiskState(NamedTuple):

@@ -12,9 +12,9 @@ from overview_dsp.devices.controllers.control_messages import (
     AngleChanged,
     Command,
     Counters,
-    Due,
     Message,
     ScaleParameter,
+    Scheduled,
     SetParameter,
     SoftTakeover,
     StepParameter,
@@ -170,9 +170,9 @@ class ControllerInput(ThreadedInput):
                     if isinstance(move, StepParameter) and isinstance(before, StepParameter):
                         move = replace(move, step=before.step + move.step)
                     self._changes[move.id] = move
-            elif isinstance(move, Due):
+            elif isinstance(move, Scheduled):
                 found = self._source.move(move.movement, time_s, disk)
-                events += [replace(event, due_s=move.time_s) for event in found]
+                events += [replace(event, scheduled_s=move.time_s) for event in found]
             else:
                 events += self._source.move(move, time_s, disk)
         events += self._source.tick(now, disk)

@@ -181,8 +181,8 @@ class SourceWriter:
                 continue
             due_s = event.time_s + self._smooth_s
             stamp = self.clock.stamp(due_s, sample) if self._observed else None
-            if event.due_s is not None:
-                stamp = self.tags.stamp(event.due_s)
+            if event.scheduled_s is not None:
+                stamp = self.tags.stamp(event.scheduled_s)
             if event.retouch:
                 self._push(event.theta2, False, stamp)
             self._push(event.theta2, event.touching, stamp)
