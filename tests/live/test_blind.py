@@ -13,8 +13,7 @@ import pytest
 
 import overview_dsp as ov
 from overview_dsp.design.gestures.scripts import pause
-from overview_dsp.live.session.abx import COLUMNS, abx_d_prime, abx_p
-from overview_dsp.live.session.blind import BlindComparison
+from overview_dsp.live.session.blind import COLUMNS, BlindComparison, abx_d_prime, abx_p
 from overview_dsp.live.session.commands import execute
 from overview_dsp.measure.level_matching import MATCHED_DB, match_levels
 from tests.cli.running import MATCH, environment, overview, refused

@@ -13,7 +13,7 @@ from overview_dsp.kernels.decibels import gain_of_db
 from overview_dsp.kernels.layout import TACTOR
 from overview_dsp.live.output.portaudio_library import SILENT
 from overview_dsp.live.output.threshold import NullSamplePlayer, SamplePlayback, SamplePlayer
-from overview_dsp.live.session.abx import AbxTrials
+from overview_dsp.live.session.blind import AbxTrials
 from overview_dsp.offline.export.clip import LEVELS_PER_S
 from overview_dsp.offline.export.writing import played_by
 
