@@ -293,33 +293,23 @@ class VoiceRenderer(threading.local):
                 yield one.number, one.result(trace)
 
 
+# fmt: off
 @overload
 def render_many(
-    jobs: Iterable[RenderJob],
-    sample_rate: float = ...,
-    *,
-    tail: Tail = ...,
-    trace: Literal[False] = ...,
-    threads: int | None = ...,
+    jobs: Iterable[RenderJob], sample_rate: float = ..., *, tail: Tail = ...,
+    trace: Literal[False] = ..., threads: int | None = ...,
 ) -> Iterator[RenderedJob[None]]: ...
 @overload
 def render_many(
-    jobs: Iterable[RenderJob],
-    sample_rate: float = ...,
-    *,
-    tail: Tail = ...,
-    trace: Literal[True],
-    threads: int | None = ...,
+    jobs: Iterable[RenderJob], sample_rate: float = ..., *, tail: Tail = ...,
+    trace: Literal[True], threads: int | None = ...,
 ) -> Iterator[RenderedJob[Trace]]: ...
 @overload
 def render_many(
-    jobs: Iterable[RenderJob],
-    sample_rate: float = ...,
-    *,
-    tail: Tail = ...,
-    trace: bool,
-    threads: int | None = ...,
+    jobs: Iterable[RenderJob], sample_rate: float = ..., *, tail: Tail = ...,
+    trace: bool, threads: int | None = ...,
 ) -> Iterator[RenderedJob[Trace | None]]: ...
+# fmt: on
 def render_many(
     jobs: Iterable[RenderJob],
     sample_rate: float = 48_000,

@@ -184,42 +184,26 @@ def blocks(
             progress(play.part)
 
 
+# fmt: off
 @overload
 def render(
-    timeline: AnyTimeline,
-    preset: AnyPreset = ...,
-    gesture: AnyGesture = ...,
-    sample_rate: float = ...,
-    seed: int = ...,
-    *,
-    tail: Tail = ...,
-    trace: Literal[True] = ...,
+    timeline: AnyTimeline, preset: AnyPreset = ..., gesture: AnyGesture = ...,
+    sample_rate: float = ..., seed: int = ..., *, tail: Tail = ..., trace: Literal[True] = ...,
     actuator: Actuator | None = ...,
 ) -> RenderResult[Trace]: ...
 @overload
 def render(
-    timeline: AnyTimeline,
-    preset: AnyPreset = ...,
-    gesture: AnyGesture = ...,
-    sample_rate: float = ...,
-    seed: int = ...,
-    *,
-    tail: Tail = ...,
-    trace: Literal[False],
+    timeline: AnyTimeline, preset: AnyPreset = ..., gesture: AnyGesture = ...,
+    sample_rate: float = ..., seed: int = ..., *, tail: Tail = ..., trace: Literal[False],
     actuator: Actuator | None = ...,
 ) -> RenderResult[None]: ...
 @overload
 def render(
-    timeline: AnyTimeline,
-    preset: AnyPreset = ...,
-    gesture: AnyGesture = ...,
-    sample_rate: float = ...,
-    seed: int = ...,
-    *,
-    tail: Tail = ...,
-    trace: bool,
+    timeline: AnyTimeline, preset: AnyPreset = ..., gesture: AnyGesture = ...,
+    sample_rate: float = ..., seed: int = ..., *, tail: Tail = ..., trace: bool,
     actuator: Actuator | None = ...,
 ) -> RenderResult[Trace | None]: ...
+# fmt: on
 def render(
     timeline: AnyTimeline,
     preset: AnyPreset = None,
