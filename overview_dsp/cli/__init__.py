@@ -19,32 +19,15 @@ from overview_dsp import __version__
 from overview_dsp.cli.signals import stop_code, stopped_by_signals
 from overview_dsp.errors import InputError, OverviewError, OverviewWarning, did_you_mean
 from overview_dsp.files.atomic import remove_temporaries
+from overview_dsp.files.toml import load_toml
 
 if TYPE_CHECKING:
     from importlib.metadata import EntryPoint
 
 GROUP = "overview_dsp.commands"  # entry-point group of commands in other distributions
 
-# name: (module, summary)
-COMMANDS = {
-    "demo": ("demo", "Render sounds and figures of the bundled match."),
-    "render": ("render", "Render a gesture over a timeline to a sound file."),
-    "play": ("play", "Play a timeline live, by mouse, keys, sensors or a take."),
-    "serve": ("serve", "Serve a page to play a timeline on a phone or in a browser."),
-    "feed": ("feed", "Replay a timeline as a live feed for --follow, at any speed."),
-    "timeline": ("timeline", "Show how a file was interpreted, and convert it."),
-    "export": ("export", "Export haptic clips, a page or C source."),
-    "plugin": ("plugin", "Build an audio plugin that plays a timeline in a DAW."),
-    "batch": ("batch", "Render a grid of many sounds, locally or on a cluster."),
-    "presets": ("presets", "List, make, compare and measure presets."),
-    "actuators": ("actuators", "List, measure and calibrate actuators."),
-    "osc": ("osc", "Assign OSC messages of other programs to controls."),
-    "midi": ("midi", "Assign the controls of a MIDI controller."),
-    "sensor": ("sensor", "Set up a sensor, or get firmware for a board."),
-    "figures": ("figures", "Draw figures 4, 5 and 6 of the paper."),
-    "devices": ("devices", "List audio outputs, serial and MIDI ports, and game pads."),
-    "bench": ("bench", "Measure the speed of the engine on this machine."),
-}
+COMMANDS: dict[str, str] = load_toml(__file__, "commands.toml")
+"""Summaries of the commands by the names of their modules, from `commands.toml`."""
 
 SEPARATE_COMMANDS = dict.fromkeys(
     ("learn", "study"), "not installed; install it in a clone of the project: pip install ./studies"
@@ -69,7 +52,7 @@ class Commands(click.Group):
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
         """Import and return the command, None for an unknown one; InputError without it."""
         if cmd_name in COMMANDS:
-            command = import_module(f"overview_dsp.cli.{COMMANDS[cmd_name][0]}").command
+            command = import_module(f"overview_dsp.cli.{cmd_name}").command
         elif point := added_commands().get(cmd_name):
             try:
                 command = point.load()
@@ -102,7 +85,7 @@ class Commands(click.Group):
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """List the commands without importing them."""
-        rows = {name: text for name, (_, text) in COMMANDS.items()}
+        rows = dict(COMMANDS)
         for name, point in added_commands().items():
             rows.setdefault(name, _summary(point))
         for name in SEPARATE_COMMANDS:

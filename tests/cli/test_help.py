@@ -26,7 +26,7 @@ def test_the_help_lists_every_command_with_a_sentence():
     assert outcome.code == 0
     assert outcome.err == ""
     assert outcome.out.startswith("Usage: overview ")
-    for name, (_, sentence) in COMMANDS.items():
+    for name, sentence in COMMANDS.items():
         line = next(line for line in outcome.out.splitlines() if line.split()[:1] == [name])
         assert sentence.split()[0] in line
 
