@@ -128,9 +128,6 @@ def line_of(text: str, path: Iterable[str | int]) -> int | None:
             here = [*table, *(part.strip("\"'") for part in assigned[1].split("."))]
         else:
             continue
-        same = 0
-        while same < min(len(here), len(parts)) and here[same] == parts[same]:
-            same += 1
-        if same == len(here) and same and (best is None or same > best[0]):
-            best = (same, number)
+        if here == parts[: len(here)] and (best is None or len(here) > best[0]):
+            best = (len(here), number)
     return best[1] if best else None
