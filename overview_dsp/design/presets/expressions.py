@@ -57,16 +57,12 @@ def evaluate(text: str, variables: Mapping[str, float]) -> float:
 def _value(node: ast.expr, names: Mapping[str, float]) -> float:
     if isinstance(node, ast.Constant) and isinstance(node.value, int | float):
         return float(node.value)
-    if isinstance(node, ast.Name):
-        return names[node.id] if node.id in names else _none()
+    if isinstance(node, ast.Name) and node.id in names:
+        return names[node.id]
     if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub):
         return -_value(node.operand, names)
     if isinstance(node, ast.BinOp) and type(node.op) in _OPERATORS:
         return _OPERATORS[type(node.op)](_value(node.left, names), _value(node.right, names))
-    return _none()
-
-
-def _none() -> float:
     raise ValueError
 
 
