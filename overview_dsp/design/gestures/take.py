@@ -11,7 +11,7 @@ import os
 import stat
 from array import array
 from pathlib import Path
-from typing import TextIO
+from typing import Any, TextIO
 
 import numpy as np
 
@@ -87,6 +87,12 @@ def _read(file: TextIO, path: Path) -> Gesture:
     recorded = "sample" in header and "sample_rate" in header
     # arrays, since tuples of an hour's take would need half a gigabyte
     times, angles, touches, sources = array("d"), array("d"), array("b"), array("b")
+    columns: list[array[Any]] = [times, angles, touches, sources]
+
+    def add(*event: float) -> None:
+        for column, value in zip(columns, event, strict=True):
+            column.append(value)
+
     event = (0.0, 0.0, False)
     try:
         for row in rows:
@@ -100,28 +106,20 @@ def _read(file: TextIO, path: Path) -> Gesture:
                 if recorded and _is_cut_short(path) and next(rows, None) is None:
                     break  # the last line is incomplete, since writing was interrupted
                 raise
-            times.append(event[0])
-            angles.append(event[1])
-            touches.append(event[2])
-            sources.append(source)
+            add(*event, source)
     except csv.Error as error:
         raise InputError(f"{path}:{rows.line_num}: not CSV: {error}") from None
     document = load_document(path) if recorded else TakeDocument((), None)
     if document.played_s is not None and document.played_s > (times[-1] if times else 0.0):
-        times.append(document.played_s)
-        angles.append(angles[-1] if angles else 0.0)
-        touches.append(touches[-1] if touches else False)
-        sources.append(sources[-1] if sources else 0)
+        _, *held = [column[-1] if column else 0 for column in columns]
+        add(document.played_s, *held)
     if not times:
         raise InputError(f"{path}: no events; a take has one control event per line")
     # a gesture ends with a release of every input
     for source in sorted(set(sources)):
         last = len(sources) - 1 - sources[::-1].index(source)
         if touches[last]:
-            times.append(times[-1])
-            angles.append(angles[last])
-            touches.append(False)
-            sources.append(source)
+            add(times[-1], angles[last], False, source)
     return Gesture(
         np.array(times),
         np.array(angles),
