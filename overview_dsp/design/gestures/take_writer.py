@@ -122,28 +122,24 @@ class _Lines:
     def __init__(self, path: Path) -> None:
         self._path = path
         flags = os.O_RDWR | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0)
-        self._file: int | None = os.open(path, flags, 0o666)
+        self._file = os.open(path, flags, 0o666)  # -1 when closed
         self.size = 0
 
     @property
     def is_named(self) -> bool:
         """True if the path still refers to this file."""
         try:
-            return self._file is not None and os.path.samestat(
-                os.fstat(self._file), os.stat(self._path)
-            )
+            return os.path.samestat(os.fstat(self._file), os.stat(self._path))
         except OSError:
             return False
 
     def append(self, text: str) -> None:
         """Write lines; after an OSError, an incomplete line may follow the earlier ones."""
-        assert self._file is not None
         if os.fstat(self._file).st_nlink == 0:
             raise FileNotFoundError(errno.ENOENT, "the file has been deleted", str(self._path))
         self._write(text.encode())
 
     def _write(self, data: bytes) -> None:
-        assert self._file is not None
         # a full disk may accept a part of the data before it reports an error
         os.lseek(self._file, self.size, os.SEEK_SET)
         rest = memoryview(data)
@@ -153,16 +149,13 @@ class _Lines:
 
     def cut(self, size: int) -> None:
         """Truncate the file to `size` bytes."""
-        assert self._file is not None
-        with contextlib.suppress(
-            OSError
-        ):  # the disk may be gone; a reader ignores an incomplete line
+        # the disk may be gone; a reader ignores an incomplete line
+        with contextlib.suppress(OSError):
             os.ftruncate(self._file, size)
         self.size = size
 
     def replace(self, other: _Lines) -> None:
         """Copy the contents of another file."""
-        assert other._file is not None
         self.cut(0)
         os.lseek(other._file, 0, os.SEEK_SET)
         while part := os.read(other._file, min(1 << 20, other.size - self.size)):
@@ -170,9 +163,9 @@ class _Lines:
 
     def close(self) -> None:
         """Close the file; may be called twice."""
-        if self._file is not None:
+        if self._file >= 0:
             os.close(self._file)
-            self._file = None
+            self._file = -1
 
 
 def rename_existing(path: Path) -> None:
