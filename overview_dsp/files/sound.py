@@ -15,7 +15,7 @@ import struct
 from collections.abc import Iterator, Sequence
 from functools import cache, lru_cache
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -298,17 +298,13 @@ def _cannot_hold(
     )
 
 
-class _Samples(Protocol):
-    @property
-    def samples(self) -> SampleArray: ...
-    @property
-    def sample_rate(self) -> float: ...
-
-
 class SavableSound:
     """Mixin with `save`, for `samples`, float32 (frames, 2), at a `sample_rate` (Hz)."""
 
-    def save(self: _Samples, path: str | os.PathLike[str], subtype: str | None = None) -> None:
+    samples: SampleArray
+    sample_rate: float
+
+    def save(self, path: str | os.PathLike[str], subtype: str | None = None) -> None:
         """Write the samples to a sound file, complete or not at all.
 
         Parameters
