@@ -20,26 +20,13 @@ The ratios are those of ideal shapes; card's tan(phi) is chosen by ear, below al
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from typing import Any
 
 from overview_dsp.design.presets.model import ClickMode
 from overview_dsp.design.presets.parameters import MODE_PARAMETERS
+from overview_dsp.files.toml import load_toml
 
-
-@dataclass(frozen=True)
-class _Material:
-    ratios: tuple[float, ...]
-    loss: float
-    fall_db: float  # level of each mode relative to the one before
-
-
-_MATERIALS = {
-    "glass": _Material((1.0, 2.32, 4.25, 6.63, 9.38), 0.003, -2.5),
-    "wood": _Material((1.0, 2.757, 5.404, 8.933), 0.02, -5.0),
-    "metal": _Material((1.0, 1.73, 2.33, 3.91, 4.11, 6.30), 0.0012, -1.5),
-    "plastic": _Material((1.0, 1.9, 3.2, 4.8), 0.06, -5.0),
-    "card": _Material((1.0, 1.594, 2.136, 2.653), 0.25, -3.0),
-}
+_MATERIALS: dict[str, dict[str, Any]] = load_toml(__file__, "materials.toml")
 
 
 def modes_of(material: str, pitch_hz: float, decay_scale: float = 1.0) -> tuple[ClickMode, ...]:
@@ -52,12 +39,12 @@ def modes_of(material: str, pitch_hz: float, decay_scale: float = 1.0) -> tuple[
         return ()
     frequency, decay = MODE_PARAMETERS["frequency_hz"], MODE_PARAMETERS["decay_ms"]
     found = []
-    for index, ratio in enumerate(made_of.ratios):
+    for index, ratio in enumerate(made_of["ratios"]):
         hz = pitch_hz * ratio
         if hz <= frequency.high:
-            ms = decay_scale * 1000.0 * math.log(1000.0) / (math.pi * hz * made_of.loss)
+            ms = decay_scale * 1000.0 * math.log(1000.0) / (math.pi * hz * made_of["loss"])
             ms = min(max(ms, decay.low), decay.high)
-            found.append(ClickMode(hz, ms, made_of.fall_db * index))
+            found.append(ClickMode(hz, ms, made_of["fall_db"] * index))
     return tuple(found)
 
 
