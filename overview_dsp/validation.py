@@ -38,6 +38,19 @@ def prefix_errors(location: str) -> Iterator[None]:
         raise
 
 
+@contextlib.contextmanager
+def only_input_errors(problem: str) -> Iterator[None]:
+    """Convert errors of wrong data raised inside to an InputError that begins with `problem`."""
+    try:
+        yield
+    except InputError:
+        raise
+    except (ValueError, OverflowError, RecursionError) as error:
+        raise InputError(f"{problem}: {error}") from None
+    except (KeyError, TypeError, AttributeError) as error:
+        raise InputError(f"{problem}: {type(error).__name__} {error}") from None
+
+
 def number(value: object, what: str, hint: str = "give a finite number") -> float:
     """Return an int or float of Python or numpy as a finite float.
 

@@ -8,7 +8,7 @@ from overview_dsp.design.presets.model import ClickMode, EventKind, Preset, Tags
 from overview_dsp.design.presets.parameters import KIND_PARAMETERS, MODE_PARAMETERS
 from overview_dsp.design.presets.validation import migrate_kind, migrate_values
 from overview_dsp.errors import InputError
-from overview_dsp.validation import prefix_errors
+from overview_dsp.validation import only_input_errors, prefix_errors
 
 
 def preset_to_dict(preset: Preset) -> dict[str, Any]:
@@ -35,31 +35,21 @@ def _lists(one: EventKind | Tags) -> dict[str, Any]:
 
 def preset_from_dict(data: Any) -> Preset:
     """Return the preset of `preset_to_dict` data; InputError if they are not valid."""
-    try:
-        return _preset_of(data)
-    except InputError:
-        raise
-    except (ValueError, OverflowError) as error:
-        raise InputError(f"not a saved preset: {error}") from None
-    except (KeyError, TypeError, AttributeError) as error:
-        raise InputError(f"not a saved preset: {type(error).__name__} {error}") from None
-
-
-def _preset_of(data: Any) -> Preset:
-    name, title, description = (data[key] for key in ("name", "title", "description"))
-    if not all(isinstance(text, str) for text in (name, title, description)):
-        raise InputError("not a saved state: name, title and description must be texts")
-    return Preset(
-        name,
-        title,
-        description,
-        migrate_values(data["values"]),
-        {name: _kind_of(name, kind) for name, kind in data["kinds"].items()},
-        # earlier states have none of these
-        Tags(**data.get("tags", {})),
-        tuple(data.get("authors", ())),
-        tuple(data.get("points", ())),
-    )
+    with only_input_errors("not a saved preset"):
+        name, title, description = (data[key] for key in ("name", "title", "description"))
+        if not all(isinstance(text, str) for text in (name, title, description)):
+            raise InputError("not a saved state: name, title and description must be texts")
+        return Preset(
+            name,
+            title,
+            description,
+            migrate_values(data["values"]),
+            {name: _kind_of(name, kind) for name, kind in data["kinds"].items()},
+            # earlier states have none of these
+            Tags(**data.get("tags", {})),
+            tuple(data.get("authors", ())),
+            tuple(data.get("points", ())),
+        )
 
 
 def _kind_of(name: str, data: dict[str, Any]) -> EventKind:

@@ -53,20 +53,12 @@ def encode_state(preset: Preset, seed: int) -> bytes:
 
 def decode_state(state: bytes) -> tuple[Preset, int]:
     """Return preset and seed of a saved state; raise InputError if it is invalid."""
-    try:
+    with validation.only_input_errors("not a saved state"):
         data = json.loads(state.decode())
         if data["overview_state"] != 1:
             version = data["overview_state"]
             raise InputError(f"overview_state is {version!r}; must be 1")
-        preset = preset_from_dict(data)
-        seed = int(data["seed"])
-    except InputError:
-        raise
-    except (ValueError, OverflowError, RecursionError) as error:
-        raise InputError(f"not a saved state: {error}") from None
-    except (KeyError, TypeError, AttributeError) as error:
-        raise InputError(f"not a saved state: {type(error).__name__} {error}") from None
-    return preset, seed
+        return preset_from_dict(data), int(data["seed"])
 
 
 def _require_table(array: FloatArray, shape: tuple[int, ...], name: str) -> None:
