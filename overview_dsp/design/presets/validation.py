@@ -12,7 +12,7 @@ Expressions of the base follow changed variables. `drop = ["goal"]` removes kind
 | 1 | first version |
 | 2 | added `extends`, `authors`, `[tags]`, `[variables]`, `kinds.*.spacing_percent` |
 | 3 | `[clutch]`: `max_speed_ratio` was `disk.catch_up`, `tap_duration_s` was `disk.unfold_s` |
-| 4 | new names (`_RENAMED`, `_RENAMED_OF_KIND`), such as `intensity_gain` for `ambience` |
+| 4 | new names (`renamed.toml`), such as `intensity_gain` for `ambience` |
 
 In schema 2 a tap took `unfold_s / catch_up`.
 """
@@ -47,30 +47,18 @@ from overview_dsp.design.presets.parameters import (
 )
 from overview_dsp.errors import InputError, did_you_mean, quoted
 from overview_dsp.files.schema import Allowed, Fault, Path, Strict, checked, named
-from overview_dsp.files.toml import line_of, parse_toml
+from overview_dsp.files.toml import line_of, load_toml, parse_toml
 from overview_dsp.kernels.layout import MAX_KINDS, MAX_MODES
 
 SCHEMA = 4
 
-_RENAMED = {
-    "surface.ambience": "surface.intensity_gain",
-    "surface.grip": "surface.torque_ratio",
-    "surface.ring": "surface.decay_scale",
-    "tactor.full_torque_mnm": "tactor.reference_torque_mnm",
-    "click.full_torque_mnm": "click.reference_torque_mnm",
-    "twist.turn_deg": "twist.engage_deg",
-    "twist.join_ms": "twist.blend_ms",
-    "follow.map": "follow.layout",
-}
-"""Parameter ids of schema 3 that have another name in schema 4."""
-
-_RENAMED_OF_KIND = {"also": "aliases", "ring": "decay_scale"}
-"""The same for the keys of an event kind."""
+_RENAMED: dict[str, dict[str, str]] = load_toml(__file__, "renamed.toml")
+"""Parameter ids, and keys of event kinds, of schema 3 that have another name in schema 4."""
 
 
 def migrate_values(values: Mapping[str, Any]) -> dict[str, Any]:
     """Return values by parameter id, with the ids and meanings of the present schema."""
-    found = {_RENAMED.get(id, id): value for id, value in values.items()}
+    found = {_RENAMED["ids"].get(id, id): value for id, value in values.items()}
     ratio = found.pop("disk.catch_up", None)
     tap_s = found.pop("disk.unfold_s", None)
     if ratio is not None:
@@ -83,7 +71,7 @@ def migrate_values(values: Mapping[str, Any]) -> dict[str, Any]:
 
 def migrate_kind(kind: Mapping[str, Any]) -> dict[str, Any]:
     """Return an event kind's data, with the keys of the present schema."""
-    return {_RENAMED_OF_KIND.get(key, key): value for key, value in kind.items()}
+    return {_RENAMED["kinds"].get(key, key): value for key, value in kind.items()}
 
 
 def migrate(data: dict[str, Any]) -> dict[str, Any]:
@@ -208,14 +196,8 @@ def layer_of(layers: list[Layer], path: Path) -> Layer:
     return layers[0]
 
 
-LIST_DOCS = {
-    "map": "Intensity map: felt share (0 to 1) at even steps of the intensity curve; default: a "
-    "straight line.",
-    "data": "Data for which the preset is chosen: events of its kinds, series, recordings.",
-    "points": "Friction profile over two widths, 0 to 1, which replaces the shape.",
-    "modes": "Resonators of the click, struck when the disk passes.",
-    "aliases": "Other event kinds that use this one, unless the preset names them.",
-}
+LIST_DOCS: dict[str, str] = load_toml(__file__, "list_docs.toml")
+"""Descriptions of the lists in a preset file, from `list_docs.toml`."""
 
 
 def _field(known: Parameter) -> tuple[Any, Any]:
