@@ -46,17 +46,19 @@ def _identity(path: str | os.PathLike[str]) -> tuple[int, int] | None:
     return found.st_dev, found.st_ino
 
 
-def _refuse_input(target: Path) -> None:
+def _require_output(target: Path) -> None:
+    """Check that a file is neither an input of this command nor a folder; InputError otherwise."""
     if _identity(target) in _inputs:
         raise InputError(f"{target}: is an input of this command; name another output")
+    # os.path: pathlib raises for a name that is too long
+    if os.path.isdir(target):
+        raise InputError(f"{target}: is a folder; name a file in it")
 
 
 def require_writable(path: str | os.PathLike[str]) -> None:
     """Check before long work that a file can be written; InputError otherwise."""
     target = Path(path)
-    _refuse_input(target)
-    if os.path.isdir(target):
-        raise InputError(f"{target}: is a folder; name a file in it")
+    _require_output(target)
     if not os.path.isdir(target.parent):
         raise InputError(f"{target}: no folder {target.parent}; make it first")
     if not os.access(target.parent, os.W_OK):
@@ -108,10 +110,7 @@ def atomic_file(path: str | os.PathLike[str], private: bool = False) -> Iterator
     target = Path(path)
     if "\0" in str(target):
         raise InputError(f"{str(target)!r}: can't be written (a zero byte in the name)")
-    _refuse_input(target)
-    # os.path: pathlib raises for a name that is too long
-    if os.path.isdir(target):
-        raise InputError(f"{target}: is a folder; name a file in it")
+    _require_output(target)
     temporary = _temporary(target, target.suffix)
     try:
         os.close(os.open(temporary, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o600))
