@@ -44,7 +44,6 @@ def show(
     FILE is any supported file, detected by content, or the bundled match (world-cup-final-2018). If
     it has several matches, they are listed unless --select chooses one.
     """
-    from overview_dsp.cli.timeline import describe, describe_json
     from overview_dsp.data.readers.data_file import LoadOptions
     from overview_dsp.data.readers.registry import list_matches
 
@@ -85,7 +84,6 @@ def convert(
 ) -> None:
     """Write FILE as a native timeline (.json), or its events as an event list (.csv)."""
     from overview_dsp.data.readers.events.event_table import save_events
-    from overview_dsp.units import span_text
 
     suffix = Path(output).suffix.lower()
     if suffix not in (".json", ".csv"):
