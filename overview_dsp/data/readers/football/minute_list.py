@@ -172,11 +172,7 @@ def decode(text: str, match: str | None = None, default_title: str = "") -> Time
     grouped = _grouped(_rows(text))
     lines = _lines(grouped)
     ids = [key[3] for key in grouped]
-    chosen = list(grouped)[select_match(lines, match, ids if any(ids) else ())]
-    return _timeline(grouped[chosen], default_title)
-
-
-def _timeline(rows: Sequence[_Row], default_title: str) -> Timeline:
+    rows = list(grouped.values())[select_match(lines, match, ids if any(ids) else ())]
     goals_only = not any("kind" in row.fields for row in rows)
     entries: list[tuple[_Row, Minute, str, str]] = []
     ends: dict[int, Minute] = {}
