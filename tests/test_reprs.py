@@ -70,6 +70,7 @@ def objects(match, football, tmp_path_factory):
         *ov.presets.differences(football, other),
         ov.actuators.ActuatorStage(c2, 8000),
         ov.actuators.ProtectionReport(1.23456789, 12),
+        ov.actuators.ResonanceFit(251.23456, 11.8, 0.2, 0.41, *np.zeros((3, 500))),
         ov.export.Transient(1.0 / 3.0, 2.0 / 3.0, 1.0 / 7.0, "near_miss"),
         ov.live.OutputDevice(3, "A name as long as drivers give", "ALSA", 2, 48e3, 1 / 97, True),
         ov.measure.onsets(result.samples[:, 0], 8000),

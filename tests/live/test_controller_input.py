@@ -6,6 +6,7 @@ import math
 import socket
 import threading
 import time
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -13,9 +14,11 @@ import pytest
 import overview_dsp as ov
 from overview_dsp.design.gestures import SOURCES
 from overview_dsp.devices.controllers.control_map import Control
+from overview_dsp.devices.controllers.control_messages import Scheduled
 from overview_dsp.devices.controllers.midi_messages import MidiReader
 from overview_dsp.devices.controllers.osc_messages import OscReader
-from overview_dsp.devices.sensors.touch_detection import Event
+from overview_dsp.devices.controllers.source import ControllerSource
+from overview_dsp.devices.sensors.touch_detection import Event, TouchRules
 from overview_dsp.kernels import layout
 from overview_dsp.live.inputs.controllers import ControllerInput
 from overview_dsp.live.inputs.input import CombinedInput
@@ -474,31 +477,65 @@ def test_two_osc_senders_are_two_inputs_and_the_earlier_gets_the_disk_back(runni
 
 
 @pytest.mark.parametrize("block", [64, 256, 1024])
-def test_time_tags_keep_their_spacing_to_the_sample(engine, number, block):
-    """Bundles whose time is a block and 10 ms ahead, sent unevenly, in real time."""
+def test_time_tags_keep_their_spacing_to_the_sample(engine, block, monkeypatch):
+    """Bundles a block and 10 ms ahead, sent unevenly; blocks and messages arrive unevenly, too."""
+    random, rate = np.random.default_rng(block), engine.sample_rate
+    now, since_1970 = [100.0], 1.8e9
+    monkeypatch.setattr(time, "monotonic", lambda: now[0])
+    monkeypatch.setattr(time, "time", lambda: since_1970 + now[0] * (1.0 + 2e-5))  # clocks drift
+    writer = SourceWriter(engine, "osc", now=lambda: now[0], smooth_s=0.0)
+    source, reader = ControllerSource(TouchRules.of(engine.preset)), OscReader()
+    out = np.zeros((block, 2), np.float32)
+    sent = 100.0 + 0.004 + np.cumsum(random.uniform(0.004, 0.012, 300))
+    starts = 100.0 + block / rate * np.arange(1, 5.0 * rate / block)
+    steps = [(one + random.uniform(0.0, 0.4) * block / rate, None) for one in starts]
+    steps += [(one + random.uniform(0.0, 0.001), at) for at, one in enumerate(sent)]
+    due = sent + block / rate + 0.01
+    for now[0], number in sorted(steps, key=lambda step: step[0]):
+        if number is None:
+            engine.process(out)
+            continue
+        unix = since_1970 + due[number] * (1.0 + 2e-5)
+        data = bundle(message("/overview/theta2", 0.5 + 0.005 * number, 1), seconds=unix)
+        writer.tags.observe(now[0], engine.sample_time)
+        for one in reader.read(data, now[0]):
+            assert isinstance(one, Scheduled)
+            found = source.move(one.movement, now[0])
+            writer.write([replace(event, scheduled_s=one.time_s) for event in found])
+    for _ in range(round(0.2 * rate) // block + 2):
+        engine.process(out)
+    applied = engine.pop_applied(0)[0]["sample"]
+    assert len(applied) == 300
+    late = (applied - rate * (due - due[0]))[20:]
+    line = np.polyval(np.polyfit(due[20:], late, 1), due[20:])
+    assert np.abs(late - line).max() <= 1.0
+    assert engine.meters.late_events == 0
+
+
+@pytest.mark.realtime
+@pytest.mark.parametrize("block", [64, 256, 1024])
+def test_time_tags_are_kept_by_a_real_socket_and_a_real_clock(engine, number, block):
     stream = NullStream(engine, block)
     stream.start()
     hand = ControllerInput(engine, "osc", lambda: OscPort(str(number)), OscReader)
     random = np.random.default_rng(1)
     ahead_s = block / engine.sample_rate + 0.01
-    sent, taken = [], []
+    sent = []
     try:
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as client:
             for n in range(150):
-                due_s = time.time() + ahead_s
+                sent.append(time.time() + ahead_s)
                 one = message("/overview/theta2", 0.5 + 0.01 * n, 1)
-                client.sendto(bundle(one, seconds=due_s), ("127.0.0.1", number))
-                sent.append(due_s)
+                client.sendto(bundle(one, seconds=sent[-1]), ("127.0.0.1", number))
                 time.sleep(random.uniform(0.004, 0.012))
             until(lambda: at(engine, 0.5 + 0.01 * 149))
-            applied, _ = engine.pop_applied(0)
-            taken = applied["sample"][applied["touching"] == 1]
+            applied = engine.pop_applied(0)[0]
     finally:
         hand.close()
         stream.close()
+    taken = applied["sample"][applied["touching"] == 1]
     assert len(taken) == 150
-    late = taken - engine.sample_rate * (np.array(sent) - sent[0])
-    late = late[20:]
+    late = (taken - engine.sample_rate * (np.array(sent) - sent[0]))[20:]
     drift = np.polyval(np.polyfit(np.arange(len(late)), late, 1), np.arange(len(late)))
     assert np.abs(late - drift).max() <= 1.5
 

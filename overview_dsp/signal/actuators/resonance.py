@@ -66,6 +66,10 @@ class ResonanceFit:
     response_db: FloatArray
     model_db: FloatArray
 
+    def __repr__(self) -> str:
+        tolerance = f"{self.tolerance_percent:g} %"
+        return f"<ResonanceFit: {self.frequency_hz:.4g} Hz within {tolerance}, Q {self.q:.3g}>"
+
 
 def fit_resonance(
     recording: FloatArray,
@@ -106,7 +110,7 @@ def fit_resonance(
     >>> moved = lfilter(*bilinear([1.0, 0.0, 0.0], [1.0, w / 8.0, w * w], 8000), sweep)
     >>> fit = ov.actuators.fit_resonance(moved, 8000, 50.0, 1000.0, 2.0)
     >>> round(fit.frequency_hz), round(fit.q)
-    (199, 8)
+    (200, 8)
     """
     if quantity not in QUANTITIES:
         raise InputError(f"quantity is {short(quantity)}; must be one of {', '.join(QUANTITIES)}")
