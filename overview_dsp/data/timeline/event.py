@@ -26,15 +26,6 @@ RHYTHMS: dict[str, str] = HEART_CODES["rhythms"]
 _CODE = re.compile(r"rhythm \((\w+)\)?")
 
 
-def rhythm_name(label: str) -> str:
-    """Return the name of the rhythm for a label like `rhythm (AFIB`, other labels unchanged.
-
-    Unknown codes are kept without the opening bracket.
-    """
-    found = _CODE.fullmatch(label)
-    return label if found is None else RHYTHMS.get(found[1], f"rhythm {found[1]}")
-
-
 MAX_EVENTS = 500_000  # maximum number of events of a file: they take 400 MB
 
 FIELDS = ("time_s", "kind", "label", "weight")
@@ -89,7 +80,9 @@ class Event:
     @property
     def display_label(self) -> str:
         """Label for display: the name of a rhythm instead of its code, `(AFIB`."""
-        return rhythm_name(self.label) if self.kind == KIND else self.label
+        found = _CODE.fullmatch(self.label) if self.kind == KIND else None
+        # unknown codes are kept without the opening bracket
+        return self.label if found is None else RHYTHMS.get(found[1], f"rhythm {found[1]}")
 
     def moved(self, time_s: float) -> Event:
         """Return this event at another time, which is not validated.
