@@ -197,12 +197,6 @@ class ActiveWindow:
         """Record the window that the engine has now; remove a requested one."""
         self.window, self.window_timeline, self._requested_window = window, timeline, None
 
-    def apply_window(self, window: tuple[float, float], sample: int | None = None) -> None:
-        """Set the engine's window at a sample (None: soon); errors as `Engine.set_timeline`."""
-        timeline = part_of(self.timeline, window)
-        self._engine.set_timeline(timeline, sample, window)
-        self.set_current(timeline, window)
-
     def apply_take_change(self, change: Mapping[str, Any], sample: int) -> None:
         """Apply a take's change of timeline or window at a sample; errors as `apply_change`."""
         self.timeline = apply_change(self._engine, self.timeline, change, sample)
@@ -240,7 +234,9 @@ class ActiveWindow:
             self._apply_timeline(self._requested_timeline)
             self._requested_timeline = None
         if self._requested_window is not None:
-            self.apply_window(self._requested_window)
+            timeline = part_of(self.timeline, self._requested_window)
+            self._engine.set_timeline(timeline, window=self._requested_window)
+            self.set_current(timeline, self._requested_window)
         if self._requested_preset is not None:
             requested, used = self._requested_preset, self._requested_preset
             if self._engine.touched:  # events keep their positions during a touch
