@@ -19,11 +19,6 @@ MOST = 32  # default number of surfaces in the cache, of one to two megabytes ea
 _OF_SURFACE = tuple(id for id, known in PARAMETERS.items() if known.surface)
 
 
-def _key(timeline: Timeline, preset: Preset) -> Hashable:
-    values = tuple(preset.values[id] for id in _OF_SURFACE)
-    return id(timeline), values, preset.points, tuple(preset.kinds.items())
-
-
 class SurfaceCache:
     """Most recently used surfaces by timeline and surface parameters."""
 
@@ -41,7 +36,8 @@ class SurfaceCache:
         # voices that differ only in their seed follow each other
         if latest is not None and latest[0] is timeline and latest[1] is preset:
             return latest[2]
-        key = _key(timeline, preset)
+        values = tuple(preset.values[id] for id in _OF_SURFACE)
+        key = id(timeline), values, preset.points, tuple(preset.kinds.items())
         with self._lock:
             found = self._kept.get(key)
             if found is not None:
