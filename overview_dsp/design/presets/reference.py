@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 from overview_dsp.design.presets.model import TAG_SCALES
@@ -15,22 +16,7 @@ from overview_dsp.design.presets.parameters import (
 )
 from overview_dsp.design.presets.validation import LIST_DOCS, SCHEMA, preset_model
 
-_HEAD = """# Preset parameters
-
-A preset is a TOML file. `schema = {schema}`, `title`, `description` and `[kinds.default]` must be
-set (or come from the extended preset); everything else has a default.
-
-| key | meaning |
-|---|---|
-| `schema` | version of this format: {schema}; older ones are read too |
-| `extends` | a preset with the other values: a name, or a path from this file's folder |
-| `title`, `description` | title, and a sentence on the feel |
-| `authors` | a list of names |
-| `[tags]` | {tags}: 1 (low) to 5 (high); `usage`: a list of words |
-| `tags.data` | a list: the data for which it is chosen: `events`, `series`, `recordings` |
-| `drop` | kinds of the extended preset that are removed: `drop = ["foul"]` |
-| `[variables]` | numbers for expressions: `height = "$hard * 0.5"` (+ - * / and brackets) |
-"""
+_HEAD = Path(__file__).with_name("reference_head.md").read_text(encoding="utf-8")
 
 
 def reference() -> str:
