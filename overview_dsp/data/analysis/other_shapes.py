@@ -9,13 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from overview_dsp.arrays import BoolArray, FloatArray, IntArray
-from overview_dsp.data.analysis.qrs import (
-    REFRACTORY_S,
-    around,
-    band_passed,
-    summed,
-    usual_interval,
-)
+from overview_dsp.data.analysis.qrs import REFRACTORY_S, around, band_passed, summed, usual_interval
 
 _BAND_HZ = (4.0, 30.0)
 _HALF_S = 0.075

@@ -14,13 +14,7 @@ from typing import Any
 from urllib.parse import urlsplit
 
 from overview_dsp.data.feeds.feed_lines import MAX_LINE_BYTES
-from overview_dsp.data.feeds.sources import (
-    CHUNK_BYTES,
-    LostError,
-    Received,
-    Source,
-    is_feed,
-)
+from overview_dsp.data.feeds.sources import CHUNK_BYTES, LostError, Received, Source, is_feed
 from overview_dsp.data.readers.registry import load_timeline
 from overview_dsp.errors import InputError
 from overview_dsp.installation import install_command

@@ -40,9 +40,13 @@ from overview_dsp.data.readers.football import (
 )
 from overview_dsp.data.readers.series import charts, series_reader
 from overview_dsp.data.readers.tables import arrays, delimited, json, logs, tracks
-from overview_dsp.data.readers.tables.table import Table
 from overview_dsp.data.timeline.model import Timeline
 from overview_dsp.errors import InputError, warn
+from overview_dsp.files.toml import load_toml
+
+Sniff = Callable[[DataFile], bool]
+Read = Callable[[DataFile, LoadOptions], Timeline]
+OpenTable = Callable[[DataFile], Any]
 
 SERIES_OPTIONS = series_reader.OPTIONS
 """Options of formats of series."""
@@ -51,20 +55,23 @@ LIMITS = frozenset({"max_mb", "max_depth"})
 """Options of every format."""
 
 _EVENT_TABLE = frozenset({"duration_s", "time", "kind", "label", "match"})
+_NAMES: dict[str, str] = load_toml(__file__, "formats.toml")
 
 _LENGTH, _MATCH = frozenset({"duration_s"}), frozenset({"match"})
 
 
 def _module(name: str, module: ModuleType, options: Iterable[str] = ()) -> Format:
     matches = getattr(module, "matches", None)
-    return Format(name, module.sniff, module.read, frozenset(options), matches)
+    return Format(_NAMES[name], module.sniff, module.read, frozenset(options), matches)
 
 
-def _series(
-    name: str, sniff: Callable[[DataFile], bool], open_table: Callable[[DataFile], Table]
-) -> Format:
+def _events(name: str, sniff: Sniff, read: Read, open_table: OpenTable) -> Format:
+    return Format(_NAMES[name], sniff, read, _EVENT_TABLE, open_table=open_table)
+
+
+def _series(name: str, sniff: Sniff, open_table: OpenTable) -> Format:
     read = series_reader.reading(open_table)
-    return Format(name, sniff, read, SERIES_OPTIONS, open_table=open_table)
+    return Format(_NAMES[name], sniff, read, SERIES_OPTIONS, open_table=open_table)
 
 
 def _begins_with(magic: bytes) -> Callable[[DataFile], bool]:
@@ -73,92 +80,41 @@ def _begins_with(magic: bytes) -> Callable[[DataFile], bool]:
 
 FORMATS: tuple[Format, ...] = (
     # before the formats of whole JSON documents
+    _events("event_lines", event_table.sniff_lines, event_table.read_lines, json.JsonLinesTable),
+    _series("series_lines", json.sniff_lines, json.JsonLinesTable),
+    _module("native", native),
+    _module("charts", charts, ("match", "map")),
+    _module("statsbomb", statsbomb),
+    Format(_NAMES["statsbomb_table"], statsbomb.sniff_table, statsbomb.read_table),
+    _module("metrica", metrica),
+    _module("wyscout", wyscout, _MATCH),
+    _module("kloppy", kloppy_formats),
+    _module("services", services, _MATCH),
+    _module("openfootball", openfootball, _MATCH),
     Format(
-        "table of events (one JSON object per line)",
-        event_table.sniff_lines,
-        event_table.read_lines,
-        _EVENT_TABLE,
-        open_table=json.JsonLinesTable,
-    ),
-    _series("series (one JSON object per line)", json.sniff_lines, json.JsonLinesTable),
-    _module('native timeline (JSON with the key "overview_timeline")', native),
-    _module("chart (MAIDR JSON: lines, bars, histograms, points)", charts, ("match", "map")),
-    _module("StatsBomb events (JSON list with period, timestamp and type)", statsbomb),
-    Format(
-        "StatsBomb events as a table (of statsbombpy or mplsoccer)",
-        statsbomb.sniff_table,
-        statsbomb.read_table,
-    ),
-    _module("Metrica raw events (CSV with Team, Type, Subtype and Start Time [s])", metrica),
-    _module("Wyscout v2 events (JSON with matchPeriod, eventSec and tags)", wyscout, _MATCH),
-    _module(
-        "Opta F24, Stats Perform MA3, Sportec, DataFactory, Metrica JSON or Wyscout v3 (with the "
-        "extra `football`)",
-        kloppy_formats,
-    ),
-    _module(
-        "live services (JSON of API-Football, football-data.org, OpenLigaDB)", services, _MATCH
-    ),
-    _module("openfootball matches (JSON with team1, team2 and goals)", openfootball, _MATCH),
-    Format(
-        "openfootball matches (Football.TXT: teams, score, goals in minutes)",
+        _NAMES["football_txt"],
         openfootball.sniff_text,
         openfootball.read,
         _MATCH,
         openfootball.matches,
     ),
-    _module("list of minutes (CSV with minute and type or scorer)", minute_list, _MATCH),
-    Format(
-        "event list (CSV with the columns time_s and kind)",
-        event_table.sniff_list,
-        event_table.read_list,
-        _LENGTH,
-    ),
-    _module("calendar (iCalendar, .ics)", icalendar, _LENGTH),
-    _module("subtitles (SubRip .srt, WebVTT .vtt)", cue_lists, _LENGTH),
-    Format(
-        "labels (Audacity: start, end and label with tabs between)",
-        cue_lists.sniff_labels,
-        cue_lists.read_labels,
-        _LENGTH,
-    ),
-    Format(
-        "table of events (CSV, TSV, JSON: time, date, minute or start with event, what, type, name "
-        "or label; lines of a time and words)",
-        event_table.sniff,
-        event_table.read,
-        _EVENT_TABLE,
-        open_table=event_table.open_table,
-    ),
-    _module("WFDB record (.hea, with .dat and .atr beside it)", wfdb_reader, ("value", "map")),
-    _module("recording (EDF, EDF+, with the extra `edf`)", edf, ("value", "map")),
-    _module(
-        "ECG or pulse wave (table of samples, with rate or a column of times)",
-        heart_table,
-        ("rate", "value", "time", "map", "max_mb"),
-    ),
-    _module(
-        "recording (WAV, FLAC, Ogg, MP3, AIFF and all others of libsndfile)",
-        audio,
-        ("map", "max_mb"),
-    ),
-    _series("track (GPX, TCX, Garmin FIT with the extra `fit`)", tracks.sniff, tracks.open_table),
-    _series("log (each line with a date, for map count)", logs.sniff, logs.LogTable),
-    _series(
-        "series (CSV, TSV: a table with a column of times and one of values)",
-        delimited.sniff,
-        delimited.open_table,
-    ),
-    _series(
-        "series (JSON: records, columns or pairs of times and values)", json.sniff, json.open_table
-    ),
-    _series("series (NumPy .npy)", _begins_with(arrays.MAGIC), arrays.open_npy),
-    _series("series (NumPy .npz)", _begins_with(arrays.ZIP_MAGIC), arrays.open_npz),
-    _series(
-        "series (Parquet, with the extra `parquet`)",
-        _begins_with(arrays.PARQUET_MAGIC),
-        arrays.ParquetTable,
-    ),
+    _module("minutes", minute_list, _MATCH),
+    Format(_NAMES["event_list"], event_table.sniff_list, event_table.read_list, _LENGTH),
+    _module("calendar", icalendar, _LENGTH),
+    _module("subtitles", cue_lists, _LENGTH),
+    Format(_NAMES["labels"], cue_lists.sniff_labels, cue_lists.read_labels, _LENGTH),
+    _events("events", event_table.sniff, event_table.read, event_table.open_table),
+    _module("wfdb", wfdb_reader, ("value", "map")),
+    _module("edf", edf, ("value", "map")),
+    _module("heart_table", heart_table, ("rate", "value", "time", "map", "max_mb")),
+    _module("audio", audio, ("map", "max_mb")),
+    _series("tracks", tracks.sniff, tracks.open_table),
+    _series("logs", logs.sniff, logs.LogTable),
+    _series("series_text", delimited.sniff, delimited.open_table),
+    _series("series_json", json.sniff, json.open_table),
+    _series("npy", _begins_with(arrays.MAGIC), arrays.open_npy),
+    _series("npz", _begins_with(arrays.ZIP_MAGIC), arrays.open_npz),
+    _series("parquet", _begins_with(arrays.PARQUET_MAGIC), arrays.ParquetTable),
 )
 """Formats of this package, in the order in which they are tried."""
 

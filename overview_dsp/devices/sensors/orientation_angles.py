@@ -23,13 +23,7 @@ from overview_dsp.devices.sensors.reading import (
     has,
     touch_state,
 )
-from overview_dsp.devices.sensors.units import (
-    Vector,
-    angle_between,
-    rotate,
-    to_device_axes,
-    unit,
-)
+from overview_dsp.devices.sensors.units import Vector, angle_between, rotate, to_device_axes, unit
 from overview_dsp.errors import InputError
 
 STEEP = math.cos(math.radians(85.0))

@@ -232,11 +232,7 @@ def document(clip: Clip, budget: int) -> Hjif:
 
 def _channel(number: int, name: str, band: Band, device: int | None = None) -> Channel:
     return Channel(
-        id=number,
-        description=name,
-        reference_device_id=device,
-        bands=[band],
-        **_PARTS["channel"],
+        id=number, description=name, reference_device_id=device, bands=[band], **_PARTS["channel"]
     )
 
 

@@ -182,10 +182,7 @@ MOST = 8  # highest number of lines for the way out, and for the recoil
 
 
 def transcript(
-    strikes: Strikes,
-    timeline: Timeline,
-    engaged: FloatArray | None,
-    sample_rate: float,
+    strikes: Strikes, timeline: Timeline, engaged: FloatArray | None, sample_rate: float
 ) -> tuple[str, ...]:
     """Return one line for each of the strongest strikes of the way out and of the recoil.
 

@@ -142,13 +142,7 @@ def fit_resonance(
         )
     model = _model_db(hertz, frequency, q)
     return ResonanceFit(
-        frequency,
-        q,
-        math.ceil(10.0 * tolerance) / 10.0,
-        residual,
-        hertz,
-        level - best.x[2],
-        model,
+        frequency, q, math.ceil(10.0 * tolerance) / 10.0, residual, hertz, level - best.x[2], model
     )
 
 

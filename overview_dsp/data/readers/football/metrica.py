@@ -134,13 +134,7 @@ def decode(text: str, default_title: str = "") -> Timeline:
     if end_s <= 0.0:
         raise InputError("all actions are at 0 s; the file may be incomplete")
     return match_timeline(
-        teams,
-        begins,
-        end_s,
-        match_events,
-        PROVENANCE,
-        notes,
-        default_title=default_title,
+        teams, begins, end_s, match_events, PROVENANCE, notes, default_title=default_title
     )
 
 
