@@ -17,17 +17,18 @@ from numpy.typing import NDArray
 
 from overview_dsp import validation
 from overview_dsp.arrays import BoolArray, FloatArray, IntArray, SampleArray
+from overview_dsp.design.gestures import SOURCES
 from overview_dsp.design.presets.model import Preset
 from overview_dsp.design.presets.parameter import Parameter, Value
 from overview_dsp.design.presets.parameters import PARAMETERS
 from overview_dsp.design.presets.serialization import preset_from_dict, preset_to_dict
-from overview_dsp.errors import InputError, NotPreparedError, OverviewError
+from overview_dsp.errors import InputError, NotPreparedError, OverviewError, quoted
 from overview_dsp.kernels import block, layout
+from overview_dsp.kernels.atomics import acquired
 from overview_dsp.kernels.derive import derive
 from overview_dsp.kernels.noise import seed_state
 from overview_dsp.kernels.smoother import latency
 from overview_dsp.public import short
-from overview_dsp.signal.engine import memory_reader
 from overview_dsp.signal.engine.coefficients import (
     announce_compile,
     changes,
@@ -35,7 +36,13 @@ from overview_dsp.signal.engine.coefficients import (
     store_requested,
     write_parameters,
 )
-from overview_dsp.signal.engine.memory_reader import EngineParameter, Meters, Strikes, tail_seconds
+from overview_dsp.signal.engine.memory_reader import (
+    APPLIED_EVENT,
+    EngineParameter,
+    Meters,
+    Strikes,
+    tail_seconds,
+)
 from overview_dsp.signal.engine.queues import ControlQueues, stamp_of
 from overview_dsp.signal.engine.surface_slots import SurfaceHistory, write_surface
 from overview_dsp.signal.surface.build import build_surface
@@ -43,22 +50,6 @@ from overview_dsp.signal.surface.model import Surface
 
 if TYPE_CHECKING:
     from overview_dsp.data.timeline import Event, Timeline
-
-
-def encode_state(preset: Preset, seed: int) -> bytes:
-    """Return the state as UTF-8 JSON; the same values give the same bytes."""
-    state = {"overview_state": 1, **preset_to_dict(preset), "seed": seed}
-    return json.dumps(state, indent=1, ensure_ascii=False).encode()
-
-
-def decode_state(state: bytes) -> tuple[Preset, int]:
-    """Return preset and seed of a saved state; raise InputError if it is invalid."""
-    with validation.only_input_errors("not a saved state"):
-        data = json.loads(state.decode())
-        if data["overview_state"] != 1:
-            version = data["overview_state"]
-            raise InputError(f"overview_state is {version!r}; must be 1")
-        return preset_from_dict(data), int(data["seed"])
 
 
 def _require_table(array: FloatArray, shape: tuple[int, ...], name: str) -> None:
@@ -593,7 +584,25 @@ class Engine:
         >>> count, float(events["theta2"][0])
         (1, 1.2)
         """
-        return memory_reader.read_applied(self.memory, since)
+        memory, i64 = self.memory, self._i64
+        since = validation.whole(since, "since", least=0)
+        now = acquired(i64, layout.APPLIED)
+        if since > now:
+            raise InputError(
+                f"since is {quoted(since)}; must be 0 to {now}, the events applied so far"
+            )
+        if now - since > layout.APPLIED_LOG:
+            raise OverviewError(
+                f"{now - since} control events were applied since the last call; the log keeps "
+                f"{layout.APPLIED_LOG}; call more often"
+            )
+        at = np.arange(since, now) % layout.APPLIED_LOG
+        events = np.empty(len(at), dtype=APPLIED_EVENT)
+        events["sample"] = i64[layout.APPLIED_TIME + at]
+        events["source"] = i64[layout.APPLIED_SOURCE + at]
+        events["theta2"] = memory[layout.APPLIED_THETA2 + at]
+        events["touching"] = i64[layout.APPLIED_TOUCHING + at]
+        return events, now
 
     @property
     def parameters(self) -> Mapping[str, EngineParameter]:
@@ -609,7 +618,27 @@ class Engine:
     @property
     def meters(self) -> Meters:
         """Counters and levels as of the last block."""
-        return memory_reader.read_meters(self.memory, self._queues.dropped)
+        f64, i64 = self.memory, self._i64
+        return Meters(
+            blocks=int(i64[layout.M_BLOCKS]),
+            late_events=int(i64[layout.M_LATE]),
+            rejected_events=int(i64[layout.M_REJECTED]),
+            clamped_events=int(i64[layout.M_CLAMPED]),
+            dropped_events=self._queues.dropped,
+            resets=int(i64[layout.M_RESETS]),
+            limited_samples=int(i64[layout.M_LIMITED]),
+            strikes=int(i64[layout.M_STRIKES]),
+            peak_click=float(f64[layout.M_PEAK_CLICK]),
+            peak_tactor=float(f64[layout.M_PEAK_TACTOR]),
+            torque=float(f64[layout.M_TORQUE]),
+            friction=float(f64[layout.M_FRICTION]),
+            envelope=float(f64[layout.M_ENVELOPE]),
+            cursor=float(f64[layout.X]) / layout.CELLS,
+            touching=bool(i64[layout.HOLDER] >= 0),
+            engaged=bool(i64[layout.ENGAGED]),
+            silent_samples=int(i64[layout.M_SILENT]),
+            still_samples=0 if i64[layout.WAITING] else int(i64[layout.M_STILL]),
+        )
 
     @property
     def torque_integral(self) -> tuple[float, float]:
@@ -618,13 +647,20 @@ class Engine:
         The difference of two readings gives the mean torque between them, including peaks shorter
         than a block. Thread: any.
         """
-        samples, integral = memory_reader.read_torque_integral(self.memory)
-        return samples / self._sample_rate, integral / self._sample_rate
+        memory = self.memory
+        while True:  # the audio thread may write between the two
+            samples = int(self._i64[layout.M_SUMMED])
+            integral = float(memory[layout.M_IMPULSE])
+            if samples == self._i64[layout.M_SUMMED]:
+                return samples / self._sample_rate, integral / self._sample_rate
 
     @property
     def active_input(self) -> tuple[str, float] | None:
         """Source that controls the disk and its theta2 (rad) as of the last block, or None."""
-        return memory_reader.read_active_input(self.memory)
+        memory, source = self.memory, int(self._i64[layout.HOLDER])
+        if source < 0:
+            return None
+        return SOURCES[source], float(memory[layout.SOURCE_THETA2 + source])
 
     @property
     def touched(self) -> bool:
@@ -634,8 +670,29 @@ class Engine:
 
     @property
     def settled_at(self) -> int | None:
-        """Sample since which the disk is at the input angle, past all events, or None."""
-        return memory_reader.read_arrival(self.memory)
+        """Sample since which the disk is at the input angle, past all events, or None.
+
+        With sticking friction: since which it is at rest. None without an active input too.
+        """
+        memory, i64 = self.memory, self._i64
+        still = int(i64[layout.M_STILL])
+        if still == 0 or not i64[layout.ENGAGED]:
+            return None
+        slot = layout.SURFACES + int(i64[layout.ACTIVE_SLOT]) * layout.SLOT_SIZE
+        for edge, following in (
+            (layout.SLOT_LOWER, layout.NEXT_LOWER),
+            (layout.SLOT_UPPER, layout.NEXT_UPPER),
+        ):
+            edges = memory[slot + edge :][: int(i64[slot + layout.SLOT_EVENTS])]
+            below = int(np.searchsorted(edges, memory[layout.INPUT], side="right"))
+            # friction that sticks may hold the disk before an event for ever
+            if below != i64[following] and i64[slot + layout.SLOT_MODELS] == 0:
+                return None
+        since = int(i64[layout.CLOCK]) - still
+        strikes = int(i64[layout.M_STRIKES])
+        if strikes == 0:
+            return since
+        return max(since, int(memory[layout.LOG_TIME + (strikes - 1) % layout.STRIKE_LOG]))
 
     @property
     def latency_samples(self) -> int:
@@ -697,7 +754,17 @@ class Engine:
         ]
 
     def _pop_strikes(self) -> tuple[Strikes, list[Timeline | None]]:
-        return memory_reader.pop_strikes(self.memory, self._struck, self._sample_rate)
+        """Return the strikes and their timelines; None for one that is no longer known."""
+        memory, i64 = self.memory, self._i64
+        now = int(i64[layout.CLOCK])
+        total = acquired(i64, layout.M_STRIKES)
+        first = max(int(i64[layout.STRIKES_READ]), total - layout.STRIKE_LOG)
+        i64[layout.STRIKES_READ] = total
+        at = np.arange(first, total) % layout.STRIKE_LOG
+        times = memory[layout.LOG_TIME + at]
+        events, timelines = self._struck.find(i64[layout.LOG_EVENT + at], times, now)
+        torque, level = memory[layout.LOG_TORQUE + at], memory[layout.LOG_LEVEL + at]
+        return Strikes(times / self._sample_rate, events, torque, level), timelines
 
     def pop_changes(self) -> list[tuple[int, dict[str, Any] | None]]:
         """Return the parameter and surface changes applied since the last call.
@@ -757,7 +824,9 @@ class Engine:
         >>> bool((vibration == result.samples[:, 1]).all())
         True
         """
-        return memory_reader.tactor_of(self.memory, torque)
+        memory, out = self.memory, np.zeros(len(torque), dtype=np.float32)
+        block.tactor_stage(memory, np.ascontiguousarray(torque, dtype=np.float64), out)
+        return out
 
     def process(self, out: SampleArray, trace: FloatArray | None = None) -> None:
         """Overwrite a buffer with the next block; allocate nothing. Thread: audio.
@@ -817,7 +886,8 @@ class Engine:
         >>> ov.Engine(football, match).save_state() == ov.Engine(football, match).save_state()
         True
         """
-        return encode_state(self._preset, self._seed)
+        state = {"overview_state": 1, **preset_to_dict(self._preset), "seed": self._seed}
+        return json.dumps(state, indent=1, ensure_ascii=False).encode()
 
     def load_state(self, state: bytes) -> None:
         """Load a saved state.
@@ -840,7 +910,12 @@ class Engine:
         >>> engine.preset.name, engine.seed
         ('football', 7)
         """
-        preset, seed = decode_state(state)
+        with validation.only_input_errors("not a saved state"):
+            data = json.loads(state.decode())
+            if data["overview_state"] != 1:
+                version = data["overview_state"]
+                raise InputError(f"overview_state is {version!r}; must be 1")
+            preset, seed = preset_from_dict(data), int(data["seed"])
         if self._sample_rate:
             check_carrier(preset, self._sample_rate)
         surface = build_surface(self._timeline, preset)

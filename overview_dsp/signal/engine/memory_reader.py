@@ -1,7 +1,6 @@
-"""Readers of the engine's memory: parameters, meters, strikes, inputs and tail.
+"""Parameters, meters and strikes of the engine; reader of its inputs; its tail.
 
-Functions that take the memory block of `kernels.layout`, float64, are called by the control thread;
-the audio thread may be writing it.
+The reader takes the memory block of `kernels.layout`, float64; the audio thread may be writing it.
 """
 
 from __future__ import annotations
@@ -12,15 +11,11 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
-from overview_dsp import validation
-from overview_dsp.arrays import FloatArray, IntArray, SampleArray
-from overview_dsp.design.gestures import SOURCES
+from overview_dsp.arrays import FloatArray, IntArray
 from overview_dsp.design.presets.model import Preset
 from overview_dsp.design.presets.parameter import Parameter, Value
-from overview_dsp.errors import InputError, OverviewError, quoted
-from overview_dsp.kernels import block, layout
+from overview_dsp.kernels import layout
 from overview_dsp.kernels.atomics import acquired
 from overview_dsp.kernels.decibels import gain_of_db
 from overview_dsp.kernels.derive import ARRIVAL_S, PACE_MOST
@@ -28,13 +23,10 @@ from overview_dsp.kernels.layout import CELLS
 from overview_dsp.kernels.output_gain import LEAST_CURSOR, SLOWEST_PACE, USUAL_PACE
 from overview_dsp.kernels.texture import QUIET
 from overview_dsp.public import counted, dataframe
-from overview_dsp.signal.engine.surface_slots import SurfaceHistory
 from overview_dsp.signal.surface.model import Surface
 
 if TYPE_CHECKING:
     from pandas import DataFrame
-
-    from overview_dsp.data.timeline import Timeline
 
 
 APPLIED_EVENT = np.dtype(
@@ -209,123 +201,6 @@ class Strikes:
         return f"<Strikes: {len(self)}{span}>"
 
 
-def read_meters(memory: FloatArray, dropped_events: int) -> Meters:
-    """Read counters and levels as of the last block."""
-    f64, i64 = memory, memory.view(np.int64)
-    return Meters(
-        blocks=int(i64[layout.M_BLOCKS]),
-        late_events=int(i64[layout.M_LATE]),
-        rejected_events=int(i64[layout.M_REJECTED]),
-        clamped_events=int(i64[layout.M_CLAMPED]),
-        dropped_events=dropped_events,
-        resets=int(i64[layout.M_RESETS]),
-        limited_samples=int(i64[layout.M_LIMITED]),
-        strikes=int(i64[layout.M_STRIKES]),
-        peak_click=float(f64[layout.M_PEAK_CLICK]),
-        peak_tactor=float(f64[layout.M_PEAK_TACTOR]),
-        torque=float(f64[layout.M_TORQUE]),
-        friction=float(f64[layout.M_FRICTION]),
-        envelope=float(f64[layout.M_ENVELOPE]),
-        cursor=float(f64[layout.X]) / layout.CELLS,
-        touching=bool(i64[layout.HOLDER] >= 0),
-        engaged=bool(i64[layout.ENGAGED]),
-        silent_samples=int(i64[layout.M_SILENT]),
-        still_samples=0 if i64[layout.WAITING] else int(i64[layout.M_STILL]),
-    )
-
-
-def read_torque_integral(memory: FloatArray) -> tuple[int, float]:
-    """Read the samples since reset and the sum of the torque over them (N m samples)."""
-    i64 = memory.view(np.int64)
-    while True:  # the audio thread may write between the two
-        summed = int(i64[layout.M_SUMMED])
-        total = float(memory[layout.M_IMPULSE])
-        if summed == i64[layout.M_SUMMED]:
-            return summed, total
-
-
-def read_active_input(memory: FloatArray) -> tuple[str, float] | None:
-    """Read the source that controls the disk and its theta2 (rad), or None."""
-    source = int(memory.view(np.int64)[layout.HOLDER])
-    if source < 0:
-        return None
-    return SOURCES[source], float(memory[layout.SOURCE_THETA2 + source])
-
-
-def read_arrival(memory: FloatArray) -> int | None:
-    """Read the sample since which the disk is at the input angle, without an event between them.
-
-    With sticking friction: since which it is at rest. None otherwise, or without an active input.
-    """
-    i64 = memory.view(np.int64)
-    still = int(i64[layout.M_STILL])
-    if still == 0 or not i64[layout.ENGAGED]:
-        return None
-    slot = layout.SURFACES + int(i64[layout.ACTIVE_SLOT]) * layout.SLOT_SIZE
-    for edge, following in (
-        (layout.SLOT_LOWER, layout.NEXT_LOWER),
-        (layout.SLOT_UPPER, layout.NEXT_UPPER),
-    ):
-        edges = memory[slot + edge :][: int(i64[slot + layout.SLOT_EVENTS])]
-        below = int(np.searchsorted(edges, memory[layout.INPUT], side="right"))
-        # friction that sticks may hold the disk before an event for ever
-        if below != i64[following] and i64[slot + layout.SLOT_MODELS] == 0:
-            return None
-    since = int(i64[layout.CLOCK]) - still
-    strikes = int(i64[layout.M_STRIKES])
-    if strikes == 0:
-        return since
-    return max(since, int(memory[layout.LOG_TIME + (strikes - 1) % layout.STRIKE_LOG]))
-
-
-def read_applied(memory: FloatArray, since: int) -> tuple[NDArray[np.void], int]:
-    """Read the control events applied after the first `since`, and their number so far.
-
-    OverviewError if more were applied since then than the log keeps.
-    """
-    since = validation.whole(since, "since", least=0)
-    i64 = memory.view(np.int64)
-    now = acquired(i64, layout.APPLIED)
-    if since > now:
-        raise InputError(f"since is {quoted(since)}; must be 0 to {now}, the events applied so far")
-    if now - since > layout.APPLIED_LOG:
-        raise OverviewError(
-            f"{now - since} control events were applied since the last call; the log keeps "
-            f"{layout.APPLIED_LOG}; call more often"
-        )
-    at = np.arange(since, now) % layout.APPLIED_LOG
-    events = np.empty(len(at), dtype=APPLIED_EVENT)
-    events["sample"] = i64[layout.APPLIED_TIME + at]
-    events["source"] = i64[layout.APPLIED_SOURCE + at]
-    events["theta2"] = memory[layout.APPLIED_THETA2 + at]
-    events["touching"] = i64[layout.APPLIED_TOUCHING + at]
-    return events, now
-
-
-def pop_strikes(
-    memory: FloatArray, history: SurfaceHistory, sample_rate: float
-) -> tuple[Strikes, list[Timeline | None]]:
-    """Return the strikes since the last call (at most the log's size) and their timelines.
-
-    A timeline is None if it is no longer known.
-    """
-    i64 = memory.view(np.int64)
-    now = int(i64[layout.CLOCK])
-    total = acquired(i64, layout.M_STRIKES)
-    first = max(int(i64[layout.STRIKES_READ]), total - layout.STRIKE_LOG)
-    i64[layout.STRIKES_READ] = total
-    at = np.arange(first, total) % layout.STRIKE_LOG
-    times = memory[layout.LOG_TIME + at]
-    events, timelines = history.find(i64[layout.LOG_EVENT + at], times, now)
-    strikes = Strikes(
-        time_s=times / sample_rate,
-        event=events,
-        torque=memory[layout.LOG_TORQUE + at],
-        level=memory[layout.LOG_LEVEL + at],
-    )
-    return strikes, timelines
-
-
 def read_inputs(memory: FloatArray) -> tuple[int, int, list[tuple[int, float]]]:
     """Return a sample, the number of events applied by then, and the touching inputs.
 
@@ -342,13 +217,6 @@ def read_inputs(memory: FloatArray) -> tuple[int, int, list[tuple[int, float]]]:
         if applied == acquired(i64, layout.APPLIED):
             order = sorted(held.tolist(), key=lambda source: int(touched[source]))
             return now, applied, [(source, float(theta2[source])) for source in order]
-
-
-def tactor_of(memory: FloatArray, torque: FloatArray) -> SampleArray:
-    """Return the tactor signal of a torque signal (N m per frame), starting from rest."""
-    out = np.zeros(len(torque), dtype=np.float32)
-    block.tactor_stage(memory, np.ascontiguousarray(torque, dtype=np.float64), out)
-    return out
 
 
 _MARGIN = 1.25  # the estimate assumes a quasi-static disk; events add their inertia
