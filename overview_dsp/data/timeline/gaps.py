@@ -86,10 +86,3 @@ def cut_gaps(
             kept.append(part)
             why.append(reasons[i] if reasons else "")
     return tuple(kept), tuple(why) if any(why) else ()
-
-
-def cut_until(known_until_s: float | None, start: float, end: float) -> float | None:
-    """Return the end of the known part from `start` to `end`, None if all of it is known."""
-    if known_until_s is None or known_until_s >= end:
-        return None
-    return max(known_until_s - start, 0.0)

@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike
 from overview_dsp import validation
 from overview_dsp.arrays import BoolArray, FloatArray, IntArray
 from overview_dsp.data.timeline.event import FIELDS, MARK, Event, cut_events, sorted_events
-from overview_dsp.data.timeline.gaps import cut_gaps, cut_until, in_gap, sorted_gaps, sorted_reasons
+from overview_dsp.data.timeline.gaps import cut_gaps, in_gap, sorted_gaps, sorted_reasons
 from overview_dsp.data.timeline.intensity import EXTREMES, LONG, Intensity
 from overview_dsp.data.timeline.notebook import timeline_page
 from overview_dsp.data.timeline.ticks import Half, halves_of, window_ticks
@@ -381,6 +381,7 @@ class Timeline:
             intensity = Intensity(np.zeros(1), np.zeros(1), unit)
             notes = (*notes, "this window has no event and no curve")
         gaps, gap_reasons = cut_gaps(self.gaps, self.gap_reasons, start, end)
+        until_s = self.known_until_s
         return _changed(
             self,
             duration_s=end - start,
@@ -393,7 +394,7 @@ class Timeline:
             details=details,
             rules=rules,
             signal=self.signal.cut(start, end) if self.signal is not None else None,
-            known_until_s=cut_until(self.known_until_s, start, end),
+            known_until_s=None if until_s is None or until_s >= end else max(until_s - start, 0.0),
             _own_events=own_events,
             _ranks=rank,
             _from_s=from_s,
