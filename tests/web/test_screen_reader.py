@@ -53,6 +53,14 @@ def page_of(chromium, timeline, preset, folder):
         yield page
 
 
+def first_text(page):
+    """Move the slider to the start, and return its text, which may come some frames later."""
+    page.focus("#slider")
+    page.keyboard.press("Home")
+    page.wait_for_timeout(600)
+    return page.get_attribute("#slider", "aria-valuetext")
+
+
 def walk(page, act):
     """Repeat an act until nothing is left, and return what was heard; one text for each act."""
     heard = []
@@ -73,9 +81,7 @@ def walk(page, act):
 def test_a_walk_reads_each_value_and_each_event_exactly_once(chromium, tmp_path, way):
     timeline = series()
     with page_of(chromium, timeline, "series", tmp_path / "site") as page:
-        page.focus("#slider")
-        page.keyboard.press("Home")
-        first = page.get_attribute("#slider", "aria-valuetext")
+        first = first_text(page)
         if way == "keys":
             heard = [first, *walk(page, lambda: page.keyboard.press("ArrowRight"))]
             values = events = heard
@@ -99,9 +105,7 @@ def test_a_walk_reads_each_value_and_each_event_exactly_once(chromium, tmp_path,
 def test_arrows_read_each_event_of_a_match_once(chromium, tmp_path):
     match = ov.load_timeline("world-cup-final-2018")
     with page_of(chromium, match, "football", tmp_path / "site") as page:
-        page.focus("#slider")
-        page.keyboard.press("Home")
-        heard = [page.get_attribute("#slider", "aria-valuetext")]
+        heard = [first_text(page)]
         heard += walk(page, lambda: page.keyboard.press("ArrowRight"))
         for label in {event.label for event in match.events}:
             count = sum(event.label == label for event in match.events)
