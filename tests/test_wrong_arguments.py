@@ -39,7 +39,7 @@ def right() -> dict[str, tuple[Any, dict[str, Any]]]:
     report = ov.measure.feel_report(football, match, {"fast": ov.sweep(0.3)}, 8000, recoils=False)
     kind = report.strokes[0].kinds[0]
     c2 = ov.load_actuator("c2")
-    sweep = ov.actuators.log_sweep(50, 1000, 1, level_db=-9, sample_rate=8000)
+    sweep = ov.actuators.log_sweep(50, 1000, 4, level_db=-9, sample_rate=8000)
     moved = lfilter(*bilinear([1.0, 0.0, 0.0], [1.0, 150.0, 1.44e6], 8000), sweep)
     engine = ov.Engine(football, match)
     engine.prepare(8000, 256)
@@ -181,7 +181,7 @@ def right() -> dict[str, tuple[Any, dict[str, Any]]]:
                 "sample_rate": 8000,
                 "low_hz": 50,
                 "high_hz": 1000,
-                "seconds": 1,
+                "seconds": 4,
             },
         ),
         "export": (

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 import overview_dsp as ov
-from overview_dsp.cli.common import announce_compile, note, show
+from overview_dsp.cli.common import announce_compile, note, protect_inputs, show
 from overview_dsp.cli.options.declaring import JSON, cli_command, option
 from overview_dsp.errors import InputError
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 LOW_FREQUENCY = option("Lowest frequency of the sweep, Hz.", default=20.0)
 HIGH_FREQUENCY = option("Highest frequency of the sweep, Hz.", default=1000.0)
 DURATION = option("Duration of the sweep, s.", default=20.0)
-CLIPPED = 0.999  # sample that counts as clipped, relative to full scale
+LONGEST_S = 900.0  # longest recording
 UNEVEN_DB = 0.1  # gain reduction by the protection that causes a note, dB
 
 
@@ -105,10 +105,13 @@ def measure(
     from overview_dsp.files.atomic import write_file
     from overview_dsp.signal.actuators.library import measured_profile, parse_actuator
     from overview_dsp.signal.actuators.resonance import fit_resonance
+    from overview_dsp.validation import prefix_errors
 
+    protect_inputs(name, recording)
     actuator = ov.load_actuator(name)
     samples, sample_rate = _read_channel(recording, input_channel)
-    fit = fit_resonance(samples, sample_rate, low_frequency, high_frequency, duration, quantity)
+    with prefix_errors(f"{recording}: "):
+        fit = fit_resonance(samples, sample_rate, low_frequency, high_frequency, duration, quantity)
     path = output or f"{actuator.name}-measured.toml"
     text = measured_profile(actuator, fit, Path(recording).name)
     measured = parse_actuator(text, Path(path).stem, path)
@@ -132,11 +135,12 @@ def measure(
 
 
 def _read_channel(recording: str, channel: int) -> tuple[FloatArray, float]:
-    """Return the samples and the rate (Hz) of one channel of a sound file; warn if it clips."""
-    import numpy as np
+    """Return the samples and the rate (Hz) of one channel of a sound file."""
     import soundfile
 
     try:
+        if (lasts_s := soundfile.info(recording).duration) > LONGEST_S:
+            raise InputError(f"{recording} lasts {lasts_s:.0f} s; cut it to the sweep")
         samples, sample_rate = soundfile.read(recording, always_2d=True)
     except (soundfile.LibsndfileError, OSError) as error:
         raise InputError(f"{recording}: can't be read as sound ({error})") from None
@@ -144,7 +148,4 @@ def _read_channel(recording: str, channel: int) -> tuple[FloatArray, float]:
         raise InputError(
             f"{recording} has {samples.shape[1]} channels; --input-channel is {channel}"
         )
-    clipped = int(np.count_nonzero(np.abs(samples[:, channel - 1]) >= CLIPPED))
-    if clipped > 1:
-        note(f"{recording}: {clipped} samples at full scale; record at a lower level")
     return samples[:, channel - 1], float(sample_rate)

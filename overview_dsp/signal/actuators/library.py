@@ -20,7 +20,7 @@ from overview_dsp.files.toml import (
     sections_of,
     values_in,
 )
-from overview_dsp.signal.actuators.model import ACTUATOR_PARAMETERS, ONE_OF, Actuator
+from overview_dsp.signal.actuators.model import ACTUATOR_PARAMETERS, ONE_OF, Actuator, error_limit
 
 if TYPE_CHECKING:
     from overview_dsp.signal.actuators.resonance import ResonanceFit
@@ -100,7 +100,7 @@ def load_actuator(name: str | Path) -> Actuator:
     if actuator.number("shaping.overdrive") > 1.0 and actuator.overdrive_q == actuator.q:
         warn(
             f"{path}: overdrive is off: it needs resonance.tolerance_percent of at most "
-            f"{actuator.highest_tolerance_percent:.2g}, not "
+            f"{error_limit(actuator.q):.2g}, not "
             f"{actuator.number('resonance.tolerance_percent'):g}; see 'overview actuators measure'"
         )
     return actuator
@@ -124,10 +124,10 @@ def measured_profile(actuator: Actuator, fit: ResonanceFit, recording: str) -> s
     resonance["q"] = round(fit.q, 3)
     resonance["tolerance_percent"] = fit.tolerance_percent
     document["title"] = f"{actuator.title}, measured"
-    overdrive = max(actuator.number("shaping.overdrive"), min(MEASURED_OVERDRIVE, fit.q))
-    is_exact = fit.tolerance_percent <= 10.0 / fit.q
     shaping: Any = document.setdefault("shaping", tomlkit.table())
-    shaping["overdrive"] = round(max(1.0, overdrive), 3) if is_exact else 1.0
+    is_exact = fit.tolerance_percent <= error_limit(fit.q)
+    overdrive = max(actuator.number("shaping.overdrive"), min(MEASURED_OVERDRIVE, fit.q), 1.0)
+    shaping["overdrive"] = round(overdrive, 3) if is_exact else 1.0
     return (
         f"# Resonance measured with {recording}: the response is within {fit.residual_db:.1f} dB "
         f"RMS of the model.\n# The rest is {actuator.name}:\n#\n{tomlkit.dumps(document)}"

@@ -129,17 +129,9 @@ class Actuator:
         return math.pi * self.resonance_hz * self.number("resonance.rise_ms") * 1e-3 / LN_9
 
     @property
-    def highest_tolerance_percent(self) -> float:
-        """Largest error of the resonance with which overdrive is never worse than none, percent.
-
-        With a larger one than a tenth of the bandwidth, the motion overshoots more (measured).
-        """
-        return 10.0 / self.q
-
-    @property
     def overdrive_q(self) -> float:
         """Q of the motion with overdrive; `q` if the resonance isn't known well enough for it."""
-        if self.number("resonance.tolerance_percent") > self.highest_tolerance_percent:
+        if self.number("resonance.tolerance_percent") > error_limit(self.q):
             return self.q
         return max(min(self.q, LOWEST_DRIVEN_Q), self.q / self.number("shaping.overdrive"))
 
@@ -223,6 +215,14 @@ def _checked(values: Mapping[str, object]) -> dict[str, Value]:
         elif known.id not in _OPTIONAL:
             raise InputError(f"{known.id} is missing; allowed: {known.allowed}")
     return complete
+
+
+def error_limit(q: float) -> float:
+    """Return the largest error of a resonance with which overdrive is never worse than none, %.
+
+    It is a tenth of the bandwidth. With a larger error, the motion overshoots more (measured).
+    """
+    return 10.0 / q
 
 
 BEST_HZ = (200.0, 300.0)  # range of the skin's highest sensitivity to vibration, Hz

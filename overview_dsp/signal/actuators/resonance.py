@@ -26,15 +26,22 @@ QUANTITIES = {"displacement": 0, "velocity": 1, "acceleration": 2}
 """What a sensor measures: the power of frequency by which it exceeds the displacement."""
 
 BEFORE_S, AFTER_S = 0.1, 1.0  # window around the impulse response; a Q of 100 at 100 Hz is in it
+LEAST_S = 4.0  # duration of a sweep; in a shorter one, any click seems to be its response
 POINTS_PER_OCTAVE = 96
 EDGE = 1.05  # the first and last 5 % of the sweep are faded, so they are left out
 INSIDE = 1.3  # least ratio between the resonance and the ends of the response
 LEAST_SNR_DB = 10.0
+LEAST_EXPLAINED = (
+    0.4  # part of the recording's energy that is the sweep; of noise up to 0.3 seems so
+)
+FEW = 20  # samples that a highest peak may have, or a noise
+MOST_AT_PEAK = 0.3  # samples within 0.1 % of the highest among those within 10 %; a tone has 0.1
 LARGEST_RESIDUAL_DB = 3.0  # RMS deviation from the model within an octave of the resonance
 LEAST_TOLERANCE = 0.2  # percent: an actuator's resonance changes with grip and temperature
 LARGEST_TOLERANCE = 10.0  # percent
-_Q = ACTUATOR_PARAMETERS["resonance.q"]
 CORRELATED = 4.0  # neighbouring points with one error
+
+_Q = ACTUATOR_PARAMETERS["resonance.q"]
 
 
 @dataclass(frozen=True)
@@ -100,15 +107,16 @@ def fit_resonance(
     Raises
     ------
     InputError
-        A recording that is too short or too noisy, or one without a resonance in the sweep's range.
+        A sweep of less than an octave or 4 s; a recording that is too short, noisy or clipped, of
+        something else, or without a resonance in the sweep's range.
 
     Examples
     --------
     >>> from scipy.signal import bilinear, lfilter
-    >>> sweep = ov.actuators.log_sweep(50.0, 1000.0, 2.0, level_db=-9.0, sample_rate=8000)
+    >>> sweep = ov.actuators.log_sweep(50.0, 1000.0, 4.0, level_db=-9.0, sample_rate=8000)
     >>> w = 2.0 * np.pi * 200.0
     >>> moved = lfilter(*bilinear([1.0, 0.0, 0.0], [1.0, w / 8.0, w * w], 8000), sweep)
-    >>> fit = ov.actuators.fit_resonance(moved, 8000, 50.0, 1000.0, 2.0)
+    >>> fit = ov.actuators.fit_resonance(moved, 8000, 50.0, 1000.0, 4.0)
     >>> round(fit.frequency_hz), round(fit.q)
     (200, 8)
     """
@@ -116,6 +124,12 @@ def fit_resonance(
         raise InputError(f"quantity is {short(quantity)}; must be one of {', '.join(QUANTITIES)}")
     recording = validation.floats(recording, "recording")
     sweep = log_sweep(low_hz, high_hz, seconds, 0.0, sample_rate)
+    if high_hz / low_hz < 2.0 * EDGE**2 or seconds < LEAST_S:
+        raise InputError(
+            f"sweep is from {low_hz:g} to {high_hz:g} Hz in {seconds:g} s; must span over an "
+            f"octave, and last {LEAST_S:g} s or more"
+        )
+    _require_sound(recording)
     hertz, level = _response(recording, sweep, sample_rate, low_hz * EDGE, high_hz / EDGE)
     level = level - 20.0 * QUANTITIES[quantity] * np.log10(hertz)
     fits = [
@@ -126,7 +140,8 @@ def fit_resonance(
     best = min(fits, key=lambda fit: float(fit.cost))
     # again, without the points far below the peak, where distortion and noise matter most
     near = np.abs(np.log2(hertz) - best.x[0] / math.log(2.0)) <= 1.0
-    best = _fit(hertz[near], level[near], *np.exp(best.x[:2]))
+    if np.count_nonzero(near) > POINTS_PER_OCTAVE // 4:
+        best = _fit(hertz[near], level[near], *np.exp(best.x[:2]))
     frequency, q = np.exp(best.x[:2]).tolist()
     residual = float(np.sqrt(np.mean(np.square(best.fun))))
     variance = np.linalg.pinv(best.jac.T @ best.jac)[0, 0] * residual**2 * CORRELATED
@@ -153,14 +168,11 @@ def _fit(hertz: FloatArray, level: FloatArray, frequency: float, q: float) -> An
         found: FloatArray = level - values[2] - _model_db(hertz, *np.exp(values[:2]))
         return found
 
+    low = [math.log(hertz[0]), math.log(_Q.low), -np.inf]
+    high = [math.log(hertz[-1]), math.log(_Q.high), np.inf]
+    start = [math.log(frequency), math.log(q), np.interp(frequency, hertz, level)]
     return optimize.least_squares(
-        deviation,
-        [math.log(frequency), math.log(q), np.interp(frequency, hertz, level)],
-        bounds=(
-            [math.log(hertz[0]), math.log(_Q.low), -np.inf],
-            [math.log(hertz[-1]), math.log(_Q.high), np.inf],
-        ),
-        loss="soft_l1",
+        deviation, np.clip(start, low, high), bounds=(low, high), loss="soft_l1"
     )
 
 
@@ -168,6 +180,19 @@ def _model_db(hertz: FloatArray, frequency: float, q: float) -> FloatArray:
     """Return the displacement at frequencies relative to that at the resonance, dB."""
     u = hertz / frequency
     return -10.0 * np.log10(np.square(q * (1.0 - u * u)) + u * u)
+
+
+def _require_sound(recording: FloatArray) -> None:
+    """Check that samples are finite and not clipped, which lowers the Q; InputError otherwise."""
+    if not np.isfinite(recording).all():
+        raise InputError("the recording has samples that are not finite; record it again")
+    level = np.abs(recording)
+    highest = level.max(initial=0.0)
+    at_peak = np.count_nonzero(level > 0.999 * highest)
+    if at_peak > max(FEW, MOST_AT_PEAK * np.count_nonzero(level > 0.9 * highest)):
+        raise InputError(
+            f"the recording is clipped ({at_peak} samples at its highest level); lower its level"
+        )
 
 
 def _response(
@@ -183,19 +208,26 @@ def _response(
     size = len(recording) + len(sweep) + 4 * after
     reference = np.fft.rfft(sweep, size)
     power = np.square(np.abs(reference))
-    transfer = np.fft.rfft(recording, size) * np.conj(reference) / (power + 1e-6 * power.max())
     bins = np.fft.rfftfreq(size, 1.0 / sample_rate)
-    transfer[(bins < low / EDGE) | (bins > high * EDGE)] = 0.0
-    impulse = np.fft.irfft(transfer, size)
+    recorded = np.fft.rfft(recording, size)
+    recorded[(bins < low / EDGE) | (bins > high * EDGE)] = 0.0
+    impulse = np.fft.irfft(recorded * np.conj(reference) / (power + 1e-6 * power.max()), size)
     starts = len(recording) - len(sweep) + 2 * after  # a second less or more than fits
     peak = int(np.argmax(np.abs(np.roll(impulse, after)[:starts]))) - after
     window = np.concatenate([np.hanning(2 * before)[:before], np.hanning(2 * after)[after:]])
     length = 2 ** math.ceil(math.log2(4 * len(window)))
     # noise: the same window where the response has decayed
-    heard, noise = (
-        np.abs(np.fft.rfft(np.roll(impulse, before - at)[: len(window)] * window, length))
-        for at in (peak, peak + 2 * after)
+    response, later = (
+        np.roll(impulse, before - at)[: len(window)] * window for at in (peak, peak + 2 * after)
     )
+    heard, noise = (np.abs(np.fft.rfft(one, length)) for one in (response, later))
+    explained = np.roll(np.fft.irfft(np.fft.rfft(response, size) * reference, size), peak - before)
+    whole = np.fft.irfft(recorded, size)
+    if not np.sum((whole - explained) ** 2) < (1.0 - LEAST_EXPLAINED) * np.sum(whole**2):
+        raise InputError(
+            "the recording is mostly something else than this sweep; record closer to the "
+            "actuator, or give the frequencies and the duration of its sweep"
+        )
     hertz = np.geomspace(low, high, round(math.log2(high / low) * POINTS_PER_OCTAVE))
     at = np.fft.rfftfreq(length, 1.0 / sample_rate)
     levels = 20.0 * np.log10(np.maximum(np.interp(hertz, at, heard), 1e-12))
