@@ -9,7 +9,7 @@ position on the timeline while it is down.
 
 from __future__ import annotations
 
-from overview_dsp.devices.controllers.control_map import DEFAULT, TAPS, THETA2, Control
+from overview_dsp.devices.controllers.control_map import DEFAULT, TAPS, THETA2, TOUCH, Control
 from overview_dsp.devices.controllers.control_messages import (
     AssignedControls,
     Counters,
@@ -36,8 +36,9 @@ class MidiReader:
         """Convert the messages of `controls`; `counters` may be those of an earlier reader."""
         self.counters = Counters() if counters is None else counters
         self._controls = controls
-        # a map without channels gives each channel the same controls, which are inputs of their own
-        self._by_channel = not any(one.channel for one in controls)
+        # the channels are inputs of their own, unless the map names one or has a control for touch,
+        # which may be on another channel than theta2
+        self._by_channel = not any(one.channel or one.to == TOUCH for one in controls)
         self._assigned: dict[int, AssignedControls] = {}
         self._coarse: dict[tuple[int, int], int] = {}
         self._fine: set[tuple[int, int]] = set()
@@ -85,7 +86,7 @@ class MidiReader:
         return [one for one in self._controls if one.matches(kind, number, channel)]
 
     def _assigned_to(self, channel: int) -> AssignedControls:
-        """Return the controls of a channel (1 to 16), or of all if the map names channels."""
+        """Return the controls of a channel (1 to 16), or of all channels together."""
         owner = channel if self._by_channel else 0
         if owner not in self._assigned:
             self._assigned[owner] = AssignedControls(

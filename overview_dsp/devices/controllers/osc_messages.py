@@ -206,10 +206,9 @@ class OscReader(Messages):
             return []
         sender = getattr(data, "sender", "")
         return [
-            converted
+            self._scheduled(one, at_s)
             for address, values, at_s in messages
             for one in self._convert(address, values, time_s, sender)
-            for converted in [self._scheduled(one, at_s)]
         ]
 
     def _scheduled(self, message: Message, at_s: float) -> Message:

@@ -59,6 +59,21 @@ def test_a_pitch_bend_turns_from_the_middle_to_either_end():
     assert len({move.control for move in moves}) == 1
 
 
+def test_channels_are_inputs_of_their_own_unless_the_map_has_a_touch_or_names_one():
+    wheel, pad = Control("cc", 1), Control("note", 36, to=TOUCH)
+    one, other = (
+        {move.control for move in read(MidiReader((wheel,)), change(1, 64, channel))}
+        for channel in (1, 5)
+    )
+    assert one != other
+    # pads are often on channel 10, and wheels on channel 1
+    reader = MidiReader((wheel, pad))
+    read(reader, (0x99, 36, 100))
+    (touched,) = read(reader, change(1, 64, 1))
+    assert isinstance(touched, TouchStarted)
+    assert read(reader, (0x89, 36, 0)) == [TouchEnded(touched.touch_id)]
+
+
 def test_a_control_change_has_7_bits():
     moves = read(MidiReader(), change(1, 0), change(1, 64), change(1, 127))
     assert angles(moves) == pytest.approx([0.0, math.pi * 64 / 127, math.pi])
