@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import csv
+import itertools
 import json
 
 import numpy as np
@@ -21,10 +23,9 @@ def test_a_players_vibration_has_the_level_of_its_own_decoded_clip(player, footb
     """The written clip is read again, and its level is that of the sound in each 10 ms."""
     result = audition(football)
     original, played = through_player.original_and_played(result, player)
-    ov.export.export(result, player, tmp_path / f"clip.{player}")
-    suffix = ".json" if player == "android" else f".{player}"
-    (tmp_path / f"clip.{player}").rename(tmp_path / f"clip{suffix}")
-    level = ov.export.read_clip(tmp_path / f"clip{suffix}").played
+    path = tmp_path / ("clip.json" if player == "android" else f"clip.{player}")
+    ov.export.export(result, player, path)
+    level = ov.export.read_clip(path).played
     width = round(0.01 * result.sample_rate)
     count = min(len(level) // 10, len(played) // width)
     heard = np.sqrt(2.0 * np.mean(played[: count * width].reshape(count, width) ** 2, axis=1))
@@ -47,42 +48,40 @@ def test_the_file_has_the_original_and_then_the_players(folder, football):
     np.testing.assert_allclose(samples[: len(original), 0], original, atol=2**-15)
     np.testing.assert_allclose(samples[begins : begins + len(played), 0], played, atol=2**-15)
     assert not samples[len(original) : begins].any()
-    refused(overview("presets", "audition", "football", "--blind-trials", 3), "need a --player")
+    refused(
+        overview("presets", "audition", "football", "--blind-trials", 3),
+        "--blind-trials needs a --player",
+    )
 
 
 @pytest.mark.parametrize("hears", [True, False])
 def test_a_robot_that_hears_is_right_each_time(hears, football, tmp_path, monkeypatch):
+    """One that answers A always is right as often as X was A."""
     pair = through_player.original_and_played(audition(football), "android")
-    heard = {}
-    random = np.random.default_rng(3)
+    played = []
 
     class Sound(through_player.NullSamplePlayer):
         def __init__(self, samples, sample_rate):
             super().__init__(samples, sample_rate)
-            heard["latest"] = samples
-            assert samples.shape[1] == 2
+            played.append(samples)
 
     class Robot:
         def __init__(self):
-            self.keys = []
+            self.keys = itertools.cycle(("A", "a", "?", "b", "x", "answer"))
 
         def next(self):
-            if not self.keys:
-                self.keys = ["a", "?", "b", "x", "answer"]
-            key = self.keys.pop(0)
-            if key == "a" or "a" not in heard:
-                heard["a"] = heard.get("latest")
+            key = next(self.keys)
             if key != "answer":
-                heard["key"] = key
                 return key
-            is_a = np.array_equal(heard["latest"][:, 1], pair[0].astype(np.float32))
-            if not hears:
-                is_a = random.random() < 0.5
-            return "A" if is_a else "B"
+            a, b, x = played[-3:]
+            assert not np.array_equal(a, b)
+            assert np.array_equal(a[:, 0], pair[0].astype(np.float32))
+            return "B" if hears and np.array_equal(x, b) else "A"
 
     monkeypatch.setattr(through_player, "NullSamplePlayer", Sound)
     monkeypatch.setattr(through_player, "LineReader", Robot)
-    answers = through_player.compare_blind(pair, 48_000.0, "none", 20, tmp_path / "answers.csv")
-    assert answers.trials == 20
-    assert answers.hits == 20 if hears else 3 <= answers.hits <= 17
-    assert len((tmp_path / "answers.csv").read_text().splitlines()) == 21
+    path = tmp_path / "answers.csv"
+    answers = through_player.compare_blind(pair, 48_000.0, "none", 20, path)
+    rows = list(csv.DictReader(path.read_text().splitlines()))
+    assert answers.trials == len(rows) == 20  # "A" before X was felt is no answer
+    assert answers.hits == (20 if hears else sum(row["x"] == "A" for row in rows))

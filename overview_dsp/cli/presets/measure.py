@@ -90,19 +90,14 @@ def audition(
     Left has the clicks, right the tactor signal; with --player both have the vibration, first the
     original, then the player's. The picture is written beside the sound file.
     """
-    from overview_dsp.cli.presets.through_player import (
-        PAUSE_S,
-        compare_blind,
-        in_turn,
-        original_and_played,
-    )
+    from overview_dsp.cli.presets import through_player
     from overview_dsp.files.sound import save_sound
     from overview_dsp.measure.pictures import audition as sound
     from overview_dsp.measure.pictures import plot_gallery
     from overview_dsp.offline.plots.saving import save_figure
 
-    if through.player is None and (through.blind_trials is not None or through.device is not None):
-        raise InputError("--blind-trials and --device need a --player")
+    if through.player is None:
+        refuse_options("needs a --player", "blind_trials", "device")
     loaded = ov.load_preset(preset)
     path = Path(output) if output is not None else Path(f"{loaded.name}-audition.wav")
     announce_compile()
@@ -110,8 +105,8 @@ def audition(
     if through.player is None:
         result.save(path)
     else:
-        pair = original_and_played(result, through.player)
-        save_sound(path, in_turn(pair, result.sample_rate), result.sample_rate)
+        pair = through_player.original_and_played(result, through.player)
+        save_sound(path, through_player.in_turn(pair, result.sample_rate), result.sample_rate)
     pictures = save_figure(plot_gallery(result, loaded), path.with_suffix(""))
     report: dict[str, Any] = {
         "file": str(path),
@@ -123,12 +118,12 @@ def audition(
     }
     line = f"{path}: {', '.join(loaded.kinds)}, out and back"
     if through.player is not None:
-        begins_s = round(len(result.samples) / result.sample_rate + PAUSE_S, 6)
+        begins_s = round(len(result.samples) / result.sample_rate + through_player.PAUSE_S, 6)
         report |= {"player": through.player, "player_from_s": begins_s}
         line += f"; from {begins_s:g} s as a player of {through.player} plays it"
     if through.blind_trials is not None:
         named = path.with_suffix(time.strftime(".blind-%Y%m%d-%H%M%S.csv"))
-        answers = compare_blind(
+        answers = through_player.compare_blind(
             pair, result.sample_rate, through.device, through.blind_trials, named
         )
         report |= {"hits": answers.hits, "trials": answers.trials}

@@ -28,7 +28,7 @@ Played = dict[str, FloatArray]  # amplitude at each millisecond on each player o
 def played_by(result: RenderResult[Trace | None], to: str) -> FloatArray:
     """Return the level of a render, at each millisecond, on the first player of a format."""
     clip = clip_of(result)
-    _, played, _ = _BAKES[to](clip, round(POINTS_PER_S * clip.duration_s))
+    _, played, _ = _BAKES[to](clip, max(2, round(POINTS_PER_S * clip.duration_s)))
     return next(iter(played.values()))
 
 
@@ -111,8 +111,7 @@ def _android(clip: Clip, budget: int) -> tuple[dict[str, bytes], Played, int]:
 _BAKES: Mapping[str, Bake] = {"ahap": _ahap, "haptic": _haptic, "hjif": _hjif, "android": _android}
 """Writers by format; `wav4` is written from the samples."""
 
-CLIPS = tuple(_BAKES)
-NAMES = (*CLIPS, "wav4")
+NAMES = (*_BAKES, "wav4")
 
 
 def formats() -> tuple[str, ...]:
