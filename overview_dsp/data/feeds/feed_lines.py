@@ -190,7 +190,7 @@ def _apply_header(live: LiveTimeline, version: object, line: Mapping[str, Any]) 
     if percentiles is not None:
         percentiles = tuple(_pair(percentiles, "percentiles"))
     live.describe(
-        **_description(line),
+        **({} if live.ended else _description(line)),  # a feed sent again keeps the final title
         unit=_text(line, "unit"),
         start=start,
         percentiles=percentiles,
