@@ -39,7 +39,8 @@ from overview_dsp.data.readers.football import (
     wyscout,
 )
 from overview_dsp.data.readers.series import charts, series_reader
-from overview_dsp.data.readers.tables import arrays, delimited, json, logs, tracks
+from overview_dsp.data.readers.tables import arrays, delimited, json, json_lines, logs, tracks
+from overview_dsp.data.readers.tables.json_lines import JsonLinesTable
 from overview_dsp.data.timeline.model import Timeline
 from overview_dsp.errors import InputError, warn
 from overview_dsp.files.toml import load_toml
@@ -80,8 +81,8 @@ def _begins_with(magic: bytes) -> Callable[[DataFile], bool]:
 
 FORMATS: tuple[Format, ...] = (
     # before the formats of whole JSON documents
-    _events("event_lines", event_table.sniff_lines, event_table.read_lines, json.JsonLinesTable),
-    _series("series_lines", json.sniff_lines, json.JsonLinesTable),
+    _events("event_lines", event_table.sniff_lines, event_table.read_lines, JsonLinesTable),
+    _series("series_lines", json_lines.sniff, JsonLinesTable),
     _module("native", native),
     _module("charts", charts, ("match", "map")),
     _module("statsbomb", statsbomb),

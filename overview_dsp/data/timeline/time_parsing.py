@@ -182,7 +182,7 @@ def moment(text: str, *forms: str) -> Moment | None:
 
 
 def moments(
-    text: str, form: str, number: Callable[[int, int], IntArray]
+    text: str, form: str, number: Callable[[int, int], Whole]
 ) -> tuple[Whole, Whole, Whole | None] | None:
     """Return the moments of texts that differ in digits only; None if one is wrong.
 

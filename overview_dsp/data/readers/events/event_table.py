@@ -47,7 +47,7 @@ from overview_dsp.data.readers.events.timeline_builder import (
     with_kinds,
 )
 from overview_dsp.data.readers.series.rows import with_settled_order
-from overview_dsp.data.readers.tables import json
+from overview_dsp.data.readers.tables import json_lines
 from overview_dsp.data.readers.tables.cells import is_missing, parse
 from overview_dsp.data.readers.tables.column_roles import (
     Roles,
@@ -107,15 +107,15 @@ def sniff(source: DataFile) -> bool:
 
 def sniff_lines(source: DataFile) -> bool:
     """Return whether the file has one JSON object per line, each an event."""
-    if any(getattr(source.options, o) for o in _SERIES_OPTIONS) or not json.sniff_lines(source):
+    if any(getattr(source.options, o) for o in _SERIES_OPTIONS) or not json_lines.sniff(source):
         return False
-    table = json.JsonLinesTable(source)
+    table = json_lines.JsonLinesTable(source)
     return is_event_table(table.columns, first_rows(table, 50), source.options)
 
 
 def read_lines(source: DataFile, options: LoadOptions) -> Timeline:
     """Read one JSON object per line, as `read`."""
-    return _read(json.JsonLinesTable(source), source.stem, options)
+    return _read(json_lines.JsonLinesTable(source), source.stem, options)
 
 
 def read(source: DataFile, options: LoadOptions) -> Timeline:

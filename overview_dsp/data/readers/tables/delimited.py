@@ -361,13 +361,18 @@ def field_ends(
     lines = marks[width - 1 :: width]
     if not rows or left or np.count_nonzero(ends) != rows or not ends[lines].all():
         return None
-    length = np.diff(marks, prepend=PAD - 1) - 1
-    first = data[marks - length]
-    blank = (first == ord(" ")) & (separator != "\t")  # blanks before a field don't belong to it
-    if blank.any() or length.max() >= LONGEST_FIELD or (width == 1 and not length.all()):
+    length = np.diff(marks, prepend=PAD - 1)
+    if length.max() > LONGEST_FIELD or (width == 1 and length.min() == 1):
         return None
-    starts = {ord(mark[0]) for mark in comments} & set(np.unique(first[::width]).tolist())
-    return None if starts or first[0] in (ord(" "), ord("#")) else marks
+    first, text = data[marks - length + 1], data.tobytes()
+    # blanks before a field don't belong to it
+    others = {mark[0]: first[::width] for mark in comments} | (
+        {} if separator == "\t" else {" ": first}
+    )
+    is_other = (
+        other.encode() in text and (some == ord(other)).any() for other, some in others.items()
+    )
+    return None if any(is_other) or first[0] in b" #" else marks
 
 
 def cells_of(

@@ -17,7 +17,6 @@ The table may be at any level of the document. Units come from a key `NAME_units
 from __future__ import annotations
 
 import itertools
-import json
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
@@ -25,18 +24,13 @@ from typing import Any
 from overview_dsp.data.readers.data_file import DataFile
 from overview_dsp.data.readers.tables.cells import looks_numeric
 from overview_dsp.data.readers.tables.column_names import CHART_LETTERS, NAMES
-from overview_dsp.data.readers.tables.delimited import Lines
-from overview_dsp.data.readers.tables.dialect import encoding_of, is_date
+from overview_dsp.data.readers.tables.dialect import is_date
 from overview_dsp.data.readers.tables.table import (
-    CHUNK_ROWS,
     CellLocation,
-    Chunk,
     Column,
     ColumnTable,
     Table,
     as_list,
-    require_few_columns,
-    single_cells,
 )
 from overview_dsp.errors import InputError, quoted
 
@@ -157,11 +151,11 @@ def _record_list(entries: list[Any]) -> _Shape | None:
     sample = entries[:_SAMPLE]
     if not all(isinstance(entry, dict) for entry in sample):
         return None
-    names = _names_in(sample)
+    names = names_in(sample)
     return _of_entries(entries, names, dict) if len(names) >= 2 else None
 
 
-def _names_in(records: Iterable[dict[str, Any]]) -> tuple[str, ...]:
+def names_in(records: Iterable[dict[str, Any]]) -> tuple[str, ...]:
     """Return the keys with single values, in order of appearance."""
     single = (name for record in records for name, v in record.items() if is_single(v))
     return tuple(dict.fromkeys(single))
@@ -238,7 +232,7 @@ def _by_time(value: dict[str, Any]) -> _Shape | None:
         return _of_lists({"time": times, "value": entries})
     if not all(isinstance(entry, dict) for entry in sample):
         return None
-    return _with_first_column("time", times, _of_entries(entries, _names_in(sample), dict))
+    return _with_first_column("time", times, _of_entries(entries, names_in(sample), dict))
 
 
 def _columns_by_row(value: dict[str, Any]) -> _Shape | None:
@@ -311,60 +305,6 @@ def _is_series(table: ColumnTable) -> bool:
         if column and all(isinstance(cell, str) and is_date(cell) for cell in column):
             return True
     return False
-
-
-class JsonLinesTable(Table):
-    """JSON Lines: one object per line; InputError names a broken line."""
-
-    kind = "JSON lines"
-    row_word = "line"
-
-    def __init__(self, source: DataFile) -> None:
-        self._source = source
-        encoding = encoding_of(source) or "utf-8"
-        self._lines = Lines(source, encoding)
-        sample = itertools.islice(self._records(), _SAMPLE)
-        self._names = _names_in(record for _, record in sample)
-        if not self._names:
-            raise CellLocation(1).fault("an object without values; give times and values")
-        require_few_columns(len(self._names))
-        self.columns = tuple(map(Column.of, self._names))
-
-    def chunks(self, columns: Sequence[int]) -> Iterator[Chunk]:
-        """Read these columns; InputError names a broken line."""
-        names = [self._names[i] for i in columns]
-        records = self._records()
-        while part := list(itertools.islice(records, CHUNK_ROWS)):
-            numbers = [number for number, _ in part]
-            cells = tuple([record.get(name) for _, record in part] for name in names)
-            yield single_cells(self, Chunk(cells, numbers[0], numbers, self._lines.part), columns)
-
-    def _records(self) -> Iterator[tuple[int, dict[str, Any]]]:
-        for number, line in enumerate(self._lines, 1):
-            if not line.strip():
-                continue
-            try:
-                record = json.loads(line)
-            except (ValueError, RecursionError) as error:
-                note = f"broken JSON ({error}); each line must be one object"
-                raise CellLocation(number).fault(note) from error
-            if not isinstance(record, dict):
-                raise CellLocation(number).error(record, "isn't an object {...}")
-            yield number, record
-
-
-def sniff_lines(source: DataFile) -> bool:
-    """Return whether each line of the file is a JSON object."""
-    text = source.head_text
-    if text is None or not text.lstrip().startswith("{"):
-        return False
-    lines = [line for line in text.split("\n")[:3] if line.strip()]
-    if len(lines) < 2 or not all(line.lstrip().startswith("{") for line in lines):
-        return False
-    try:
-        return isinstance(json.loads(lines[0]), dict)
-    except (ValueError, RecursionError):
-        return False
 
 
 def _spelled_out(names: Sequence[str]) -> tuple[str, ...]:

@@ -485,8 +485,7 @@ class TimeColumn:
             if found is None:
                 return None
             cells = found
-        shapes = cells.shapes(_LONGEST_DATE)
-        if shapes is None:
+        if int((cells.stops - cells.starts).max(initial=0)) > _LONGEST_DATE:
             return None
         at, after = np.full((2, len(cells)), 0)
         known = np.ones(len(cells), np.bool_)
@@ -495,18 +494,19 @@ class TimeColumn:
         for _ in range(_MOST_SHAPES):
             if not left.size:
                 break
-            same = np.logical_and.reduce([part[left] == part[left[0]] for part in shapes])
+            same = cells.like_first(left)
             rows, left = left[same], left[~same]
-            texts = cells[rows]
+            texts = cells[rows] if len(rows) < len(cells) else cells
+            place: Any = rows if texts is not cells else slice(None)
             if is_missing(texts[0]):
-                known[rows] = False
+                known[place] = False
                 continue
             if as_text(texts[0]) != texts[0]:
                 return None
             read = moments(texts[0], self.format.name, texts.number)
             if read is None:
                 return None
-            at[rows], after[rows], offset = read
+            at[place], after[place], offset = read
             if zoned is None:
                 zoned = offset is not None
                 offset_min = None if offset is None else int(np.ravel(offset)[0])
