@@ -94,7 +94,7 @@ def test_the_hand_ends_a_visit(session, live):
     assert session.player.pointer.touching
 
 
-def test_a_withdrawn_event_is_not_visited(session, live):
+def test_a_withdrawn_goal_is_visited_as_such(session, live):
     touch_and_release(session)
     gone = event(1000, "goal", "2-0")
     live.append(events=[gone, event(1100, "foul", "x")], clock_s=1200.0)
@@ -102,8 +102,10 @@ def test_a_withdrawn_event_is_not_visited(session, live):
     live.retract(gone)
     session.run(0.3)
     rests, struck = visited(session, 3.0)
-    assert len(rests) == 1
+    assert len(rests) == 2
     assert struck.count("goal") == 1  # the first goal, on the way
+    assert struck.count("withdrawn_goal") == 1
+    assert "withdrawn goal 2-0 at 16:40.0" in session.messages
 
 
 def test_a_complete_timeline_has_nothing_to_visit(monkeypatch):

@@ -16,6 +16,7 @@ from typing import Literal
 import numpy as np
 
 from overview_dsp.arrays import FloatArray
+from overview_dsp.data.readers.football.match_timeline import GOALS
 from overview_dsp.data.timeline.event import Event
 from overview_dsp.data.timeline.gaps import Gaps
 
@@ -46,6 +47,8 @@ class EventBuffer:
     def __init__(self) -> None:
         self.events: dict[Key, Event] = {}
         self.details: dict[Key, Event] = {}
+        self.withdrawn: dict[Key, Event] = {}
+        """Retracted goals."""
         self.omitted = 0
         self._ids: OrderedDict[str, Key] = OrderedDict()
         self._retracted: OrderedDict[Key | str | tuple[str, Key], None] = OrderedDict()
@@ -61,7 +64,9 @@ class EventBuffer:
     def put(self, event: Event, id_: str | None) -> list[tuple[Action, Event]] | None:
         """Store an event under its id; return the changes, None if it is not new."""
         key = identity_of(event)
-        if not self._retracted.keys().isdisjoint((key, id_, (id_, key))):
+        if not self._retracted.keys().isdisjoint((key, id_)):
+            return [] if self.withdraw(event) else None
+        if (id_, key) in self._retracted:
             return None
         corrected = self._assign_id(id_, key) if id_ is not None else None
         present = self.events.get(key)
@@ -91,8 +96,19 @@ class EventBuffer:
             return None
         self._last_s = None
         if key in self.events:
+            self.withdraw(self.events[key])
             return [("retracted", self.events.pop(key))]
         return None if self.details.pop(key, None) is None else []
+
+    def withdraw(self, event: Event) -> bool:
+        """Remember a goal that does not count; return whether it is one, and new."""
+        key = identity_of(event)
+        if event.kind not in GOALS or key in self.withdrawn:
+            return False
+        self.withdrawn[key] = event
+        if len(self.withdrawn) > MAX_RETRACTIONS:
+            del self.withdrawn[next(iter(self.withdrawn))]
+        return True
 
     def _assign_id(self, id_: str, key: Key) -> Event | None:
         """Assign an id to an event; remove and return the event that had it before."""

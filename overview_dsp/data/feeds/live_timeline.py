@@ -13,7 +13,7 @@ from collections import deque
 from collections.abc import Iterable
 from dataclasses import replace
 from datetime import datetime
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -31,7 +31,7 @@ from overview_dsp.data.feeds.feed_history import (
 )
 from overview_dsp.data.readers.football.match_timeline import GOALS, label_without_counts
 from overview_dsp.data.timeline.curve_points import MAX_VALUE
-from overview_dsp.data.timeline.event import Event
+from overview_dsp.data.timeline.event import WITHDRAWN_GOAL, Event
 from overview_dsp.data.timeline.gaps import Gaps
 from overview_dsp.data.timeline.intensity import EXTREMES, Intensity
 from overview_dsp.data.timeline.model import Timeline
@@ -126,6 +126,7 @@ class LiveTimeline:
         self._samples = SampleBuffer()
         self._coverage = Coverage(validation.positive(silence_s, "silence_s"))
         self._reported_gaps: dict[tuple[float, float], str] = {}
+        self._withdrawn: list[Event] = []  # goals that do not count, as recorded
         self._clock_s = 0.0
         self._document: Timeline | None = None
         self._revision = 0
@@ -212,9 +213,10 @@ class LiveTimeline:
                 self._record_revision(effects)
 
     def retract(self, event: Event | str) -> bool:
-        """Retract an event, such as a disallowed goal.
+        """Retract an event.
 
-        It stays retracted, even if the feed sends it again or sends it only later.
+        It stays retracted, even if the feed sends it again or sends it only later. A goal leaves
+        an event of the kind `withdrawn_goal`, unless another one corrects it.
 
         Parameters
         ----------
@@ -239,7 +241,7 @@ class LiveTimeline:
         >>> live.retract(goal)
         True
         >>> live.snapshot().kinds()
-        {'foul': 1}
+        {'withdrawn_goal': 1, 'foul': 1}
         """
         if not isinstance(event, Event | str):
             raise InputError(f"event is {quoted(event)}; must be an Event or an id")
@@ -384,8 +386,10 @@ class LiveTimeline:
                     removed.remove(min(same, key=lambda one: abs(one.time_s - event.time_s)))
                 else:
                     changes.append(("added", event))
-            changes = [*(("retracted", event) for event in removed), *changes]
             self._document = timeline
+            for event in removed:
+                self._buffer.withdraw(event)
+            changes = [*(("retracted", event) for event in removed), *changes]
             if timeline.known_until_s is not None:
                 self.suggest(timeline.duration_s)
             self._record_revision(changes)
@@ -435,8 +439,27 @@ class LiveTimeline:
             return tuple(change for change in self._changes if change.revision > revision)
 
     def _record_revision(self, changes: Iterable[tuple[Action, Event]] = ()) -> None:
+        before, self._withdrawn = self._withdrawn, self._withdrawn_goals()
+        marks: list[tuple[Action, Event]] = [
+            ("added", event) for event in self._withdrawn if event not in before
+        ]
         self._revision += 1
+        changes = [*changes, *marks]
         self._changes.extend(Change(self._revision, action, event) for action, event in changes)
+
+    def _withdrawn_goals(self) -> list[Event]:
+        """Return the goals that do not count, without those that another event corrects."""
+        if not self._buffer.withdrawn:
+            return []
+        present = list(self._all_events())
+        marks = [replace(one, kind="goal") for one in present if one.kind == WITHDRAWN_GOAL]
+        known = [*(one for one in present if one.kind in GOALS), *marks]
+        return [
+            replace(goal, kind=WITHDRAWN_GOAL, label=label_without_counts(goal.label))
+            for _, goal in sorted(self._buffer.withdrawn.items())
+            if goal.time_s <= self.duration_s
+            and not any(_is_correction(goal, one) for one in known)
+        ]
 
     def _all_events(self) -> Iterable[Event]:
         return self._buffer.events.values() if self._document is None else self._document.events
@@ -613,12 +636,17 @@ class LiveTimeline:
         if self._document is not None:
             document = self._document
             if document.duration_s == duration_s and document.known_until_s == known_until_s:
-                return document
-            return replace(document, duration_s=duration_s, known_until_s=known_until_s)
+                changes: dict[str, Any] = {}
+            else:
+                changes = {"duration_s": duration_s, "known_until_s": known_until_s}
+            if withdrawn := self._withdrawn_goals():
+                changes["events"] = (*document.events, *withdrawn)
+            return replace(document, **changes) if changes else document
         reach = duration_s if known_until_s is None else now
         # periods first, as the match readers sort them, so that the curve is bit-identical
         events = sorted(
-            self._buffer.events.values(), key=lambda one: (one.kind != "period", one.time_s)
+            (*self._buffer.events.values(), *self._withdrawn_goals()),
+            key=lambda one: (one.kind != "period", one.time_s),
         )
         provenance, notes = self._provenance, self._notes
         intensity: Intensity | None = None
@@ -662,7 +690,7 @@ class LiveTimeline:
 
     def __repr__(self) -> str:
         status = "ended" if self.ended else f"{self._layout}, now {clock_text(self.now_s)}"
-        count = counted(sum(1 for _ in self._all_events()), "event")
+        count = counted(len([*self._all_events(), *self._withdrawn_goals()]), "event")
         return f"<LiveTimeline {short(self._title)}: {status}, {count}>"
 
 

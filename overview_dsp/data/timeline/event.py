@@ -32,6 +32,7 @@ FIELDS = ("time_s", "kind", "label", "weight")
 """Names of the values of an event, in files and tables."""
 
 MARK = "mark"  # kind of the marks that a user sets
+WITHDRAWN_GOAL = "withdrawn_goal"  # kind of a goal that does not count, at its position
 
 
 @dataclass(frozen=True)

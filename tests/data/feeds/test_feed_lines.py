@@ -46,9 +46,9 @@ def test_each_kind_of_line_has_its_effect():
     apply_line(live, encode_line({"retract": 7}))
     apply_line(live, encode_line({"end": 90, "title": "A 0-0 B"}))
     assert (live.snapshot().title, live.snapshot().duration_s) == ("A 0-0 B", 90.0)
-    assert live.snapshot().events == ()
+    assert live.snapshot().events == (ov.Event(60.0, "withdrawn_goal", "1-0", 2.0),)
     assert apply_line(live, '{"subtitle": "of a later version"}') == "later"
-    assert repr(live) == "<LiveTimeline 'A 0-0 B': ended, 0 events>"
+    assert repr(live) == "<LiveTimeline 'A 0-0 B': ended, 1 event>"
 
 
 def test_whoever_sees_the_end_sees_the_final_title(monkeypatch):

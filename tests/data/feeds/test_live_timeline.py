@@ -73,7 +73,8 @@ def test_order_and_repetition_have_no_effect(events, clocks, data):
             second.retract(value)
     one, other = first.snapshot(), second.snapshot()
     assert sorted(one.events, key=repr) == sorted(other.events, key=repr)
-    assert set(one.events) == set(events) - set(retracted)
+    counted = {event for event in one.events if event.kind != "withdrawn_goal"}
+    assert counted == set(events) - set(retracted)
     assert (one.duration_s, one.gaps, one.notes) == (other.duration_s, other.gaps, other.notes)
     if one.intensity is not None:
         np.testing.assert_allclose(one.intensity.value, other.intensity.value, rtol=1e-12)
@@ -258,3 +259,46 @@ def test_another_label_in_a_document_that_is_read_again_withdraws_no_goal():
     assert [(one.action, one.event) for one in live.changes_since(seen)] == [
         ("retracted", goals[1])
     ]
+
+
+def test_a_retracted_goal_is_a_withdrawn_goal_until_another_one_corrects_it():
+    live = ov.LiveTimeline(expected_duration_s=5700.0)
+    goal, foul = ov.Event(786.0, "goal", "1-0 Parris 14'"), ov.Event(900.0, "foul")
+    live.append(events=[goal, foul], ids=["g", "f"])
+    live.retract("g")
+    live.retract("f")
+    withdrawn = ov.Event(786.0, "withdrawn_goal", "Parris")
+    live.append(clock_s=1000.0)
+    assert live.snapshot().events == (withdrawn,)
+    assert live.snapshot().intensity is None or live.snapshot().intensity.count <= 1
+    assert [(one.action, one.event.kind) for one in live.changes_since(0)] == [
+        ("added", "goal"),
+        ("added", "foul"),
+        ("retracted", "goal"),
+        ("added", "withdrawn_goal"),
+        ("retracted", "foul"),
+    ]
+    live.append(events=[ov.Event(780.0, "goal", "1-0 Parris 13'")])
+    assert live.snapshot().kinds() == {"goal": 1}
+
+
+def test_a_goal_that_is_retracted_before_it_arrives_is_withdrawn_too():
+    live = ov.LiveTimeline(expected_duration_s=5700.0)
+    goal = ov.Event(786.0, "goal", "1-0")
+    live.retract(goal)
+    live.append(events=[goal], clock_s=800.0)
+    assert live.snapshot().kinds() == {"withdrawn_goal": 1}
+    revision = live.revision
+    live.append(events=[goal], clock_s=800.0)
+    assert live.revision == revision
+
+
+def test_a_goal_that_a_new_document_lacks_is_withdrawn_at_its_position():
+    live = ov.LiveTimeline()
+    foul, goal = ov.Event(10.0, "foul"), ov.Event(786.0, "goal", "1-0 Parris")
+    live.replace(ov.Timeline("A - B", 1000.0, (foul, goal)))
+    live.replace(ov.Timeline("A - B", 1100.0, (foul,)))
+    assert live.snapshot().events == (foul, ov.Event(786.0, "withdrawn_goal", "Parris"))
+    marked = ov.Timeline("A - B", 1200.0, (foul, ov.Event(780.0, "withdrawn_goal", "Parris")))
+    live.replace(marked)
+    assert live.snapshot() == marked

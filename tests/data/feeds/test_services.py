@@ -115,7 +115,10 @@ def test_corrections_are_not_announced_and_a_withdrawn_goal_is(service):
             assert len(changes(live)) == 1, corrected
         review = api_event(24, "Var", "Goal cancelled", player="Tim Mann")
         service.give(api_football([*corrected, review], "1H", 28, (0, 0)))
-        assert changes(live)[1:] == [("retracted", "own_goal", "1-0 own goal, Mann 24'")]
+        assert changes(live)[1:] == [
+            ("retracted", "own_goal", "1-0 own goal, Mann 24'"),
+            ("added", "withdrawn_goal", "Mann (Nordhavn) 24'"),
+        ]
         late = api_event(90, "Goal", "Normal Goal", extra=5)
         service.give(api_football([late], "2H", 90, (1, 0), extra=6))
         assert not live.ended

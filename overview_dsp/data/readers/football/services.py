@@ -7,8 +7,8 @@
 | OpenLigaDB | `getmatchdata/...`, with goals only |
 
 A match in progress is known until the minute of the document, or until its last event. Events are
-in the middle of their minute (`minutes.py`). Services list events twice for a while, and keep goals
-that the video referee has withdrawn. Both are left out, unless the score counts the goal.
+in the middle of their minute (`minutes.py`). Services list events twice for a while; one is left
+out. Goals that the video referee has withdrawn are `withdrawn_goal`, unless the score counts them.
 """
 
 from __future__ import annotations
@@ -29,6 +29,7 @@ from overview_dsp.data.readers.football.match_timeline import (
     short_name,
 )
 from overview_dsp.data.readers.football.minutes import Clock, Minute, check_minute
+from overview_dsp.data.timeline.event import WITHDRAWN_GOAL
 from overview_dsp.data.timeline.model import Timeline
 from overview_dsp.errors import InputError, quoted
 from overview_dsp.public import counted
@@ -208,9 +209,10 @@ def _timeline(match: _Match) -> Timeline:
 
 
 def _without_repeats(match: _Match) -> tuple[list[_Row], list[str]]:
-    """Return the events without repeated and withdrawn ones, and notes about these."""
+    """Return the events without repeated ones, withdrawn goals as such, and notes on both."""
     rows = list(match.rows or ())
-    left_out: dict[str, list[_Row]] = {"repeated": [], "withdrawn": []}
+    repeated: list[_Row] = []
+    withdrawn: list[_Row] = []
 
     def is_counted(row: _Row) -> bool:
         """Return whether the score requires this goal."""
@@ -219,17 +221,14 @@ def _without_repeats(match: _Match) -> tuple[list[_Row], list[str]]:
         listed = sum(one.kind in GOALS and one.team == row.team for one in rows)
         return listed <= match.final[row.team]
 
-    def leave_out(row: _Row, why: str) -> None:
-        rows.remove(row)
-        left_out[why].append(row)
-
     for review in match.withdrawn:
         for row in reversed(rows):
             ago = review.minute.on_clock - row.minute.on_clock
             same = row.player_id == review.player_id or "" in (row.player_id, review.player_id)
             if row.kind in GOALS and row.team == review.team and same and ago >= 0:
                 if ago <= _REVIEW_MINUTES and not is_counted(row):
-                    leave_out(row, "withdrawn")
+                    rows[rows.index(row)] = replace(row, kind=WITHDRAWN_GOAL)
+                    withdrawn.append(row)
                 break
     for row in rows.copy():
         for other in rows.copy():
@@ -239,12 +238,16 @@ def _without_repeats(match: _Match) -> tuple[list[_Row], list[str]]:
             if row is other or not same or apart > _REPEATED_MINUTES * is_goal:
                 continue
             if row in rows and not is_counted(row):
-                leave_out(row, "repeated")
+                rows.remove(row)
+                repeated.append(row)
     notes = []
-    for why, found in left_out.items():
+    for found, one, end in (
+        (repeated, "repeated event", " left out"),
+        (withdrawn, "withdrawn goal", ""),
+    ):
         if found:
             words = ", ".join(f"{row.player} {row.minute}".strip() for row in found)
-            notes.append(f"{counted(len(found), f'{why} event')} left out: {words}")
+            notes.append(f"{counted(len(found), one)}{end}: {words}")
     return rows, notes
 
 
