@@ -172,7 +172,7 @@ REPEATS = 2
 MANY = 10
 """Number of kinds from which on each occurs once, so that a fast sweep still separates them."""
 
-PAGE_KINDS = 6
+PAGE_KINDS = 5
 SECONDS_EACH = 0.3  # time of the sweep between two events, long enough to distinguish them
 
 
