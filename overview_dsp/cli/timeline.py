@@ -162,6 +162,7 @@ def describe_json(timeline: Timeline, *, events: bool = False) -> dict[str, Any]
     curve = timeline.intensity
     report: dict[str, Any] = {
         "title": timeline.title,
+        "sides": list(timeline.sides),
         "duration_s": timeline.duration_s,
         "start": timeline.start.isoformat() if timeline.start is not None else None,
         "unit": curve.unit if curve is not None else None,

@@ -72,11 +72,12 @@ def test_show_reports_dates_and_gaps(folder):
 def test_show_json_is_the_same_as_data(folder, match):
     report = json.loads(overview("timeline", "show", MATCH, "--json", "--events").out)
     assert report["title"] == match.title
+    assert report["sides"] == ["France", "Croatia"]
     assert report["duration_s"] == match.duration_s
     assert report["kinds"] == match.kinds()
     assert report["events"] == len(report["event_list"]) == len(match.events)
     assert report["event_list"][0] == {
-        "time_s": 0.0, "kind": "period", "label": "kick-off", "weight": 1.0
+        "time_s": 0.0, "kind": "period", "label": "kick-off", "weight": 1.0, "side": 0
     }  # fmt: skip
     assert report["unit"] == match.intensity.unit
     assert report["notes"] == list(match.notes)

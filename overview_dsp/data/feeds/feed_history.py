@@ -16,8 +16,7 @@ from typing import Literal
 import numpy as np
 
 from overview_dsp.arrays import FloatArray
-from overview_dsp.data.readers.football.match_timeline import GOALS
-from overview_dsp.data.timeline.event import Event
+from overview_dsp.data.timeline.event import GOALS, Event
 from overview_dsp.data.timeline.gaps import Gaps
 
 Key = tuple[float, str, str]
@@ -70,8 +69,10 @@ class EventBuffer:
             return None
         corrected = self._assign_id(id_, key) if id_ is not None else None
         present = self.events.get(key)
-        if present is not None and present.weight >= event.weight and corrected is None:
-            return None
+        if present is not None and corrected is None:
+            other_side = id_ is not None and present.side != event.side
+            if (present.weight, present.side) >= (event.weight, event.side) and not other_side:
+                return None
         self._store(self.events, key, event)
         changes: list[tuple[Action, Event]] = []
         if corrected is not None:

@@ -2,14 +2,14 @@
 
 | key | value | optional further keys |
 |---|---|---|
-| `overview_feed` | 1, the version; in the first line, and again after each restart | `title`, `unit`, `start`, `provenance`, `notes`, `percentiles`, `silence_s`, `expected_duration_s`, `layout` |
-| `event` | `{"time_s": 786.2, "kind": "goal", "label": "1-0 Parris", "weight": 1.0}` | `id` |
+| `overview_feed` | 1, the version; in the first line, and again after each restart | `title`, `sides`, `unit`, `start`, `provenance`, `notes`, `percentiles`, `silence_s`, `expected_duration_s`, `layout` |
+| `event` | `{"time_s": 786.2, "kind": "goal", "label": "1-0 Parris", "weight": 1.0, "side": 1}` | `id` |
 | `detail` | as `event`; shown in windows only | |
 | `sample` | `[time_s, value]` or a list of such pairs | |
 | `retract` | an `id`, or the time_s, kind and label of an event | |
 | `clock` | current time, s: the feed is complete until this time | |
 | `gap` | `[start_s, end_s]`: time range without data | `reason` |
-| `end` | final duration, s | `title`, `provenance`, `notes` |
+| `end` | final duration, s | `title`, `sides`, `provenance`, `notes` |
 
 A line with another key belongs to a later version. Such a line and an invalid line are skipped,
 and a message is shown once. The lines after them are read.
@@ -38,12 +38,12 @@ KEYS = (HEADER, "event", "detail", "sample", "retract", "clock", "gap", "end")
 MAX_LINE_BYTES = 65_536  # maximum length of a line. An event has about 100 bytes
 _FURTHER_KEYS = {
     HEADER: {
-        "title", "unit", "start", "provenance", "notes", "percentiles", "silence_s",
+        "title", "sides", "unit", "start", "provenance", "notes", "percentiles", "silence_s",
         "expected_duration_s", "layout",
     },
     "event": {"id"},
     "gap": {"reason"},
-    "end": {"title", "provenance", "notes"},
+    "end": {"title", "sides", "provenance", "notes"},
 }  # fmt: skip
 
 _RENAMED_KEYS = {"expect_s": "expected_duration_s", "map": "layout"}
@@ -64,12 +64,14 @@ def encode_line(line: Mapping[str, Any]) -> str:
 
 
 def event_object(event: Event) -> dict[str, Any]:
-    """Return an event as an object of the feed; an empty label and a weight of 1 are omitted."""
+    """Return an event as an object of the feed; values that are as usual are omitted."""
     written: dict[str, Any] = {"time_s": event.time_s, "kind": event.kind}
     if event.label:
         written["label"] = event.label
     if event.weight != 1.0:
         written["weight"] = event.weight
+    if event.side:
+        written["side"] = event.side
     return written
 
 
@@ -203,7 +205,8 @@ def _description(line: Mapping[str, Any]) -> dict[str, Any]:
     notes = line.get("notes")
     if notes is not None:
         validation.of_type(notes, list, "notes", "a list of strings")
-    return {"title": _text(line, "title"), "provenance": _text(line, "provenance"), "notes": notes}
+    texts = {name: _text(line, name) for name in ("title", "provenance")}
+    return {**texts, "notes": notes, "sides": line.get("sides")}
 
 
 def _text(line: Mapping[str, Any], key: str) -> str | None:
@@ -262,6 +265,8 @@ def lines_of_timeline(timeline: Timeline) -> Iterator[tuple[float, dict[str, Any
     }
     if timeline.start is not None:
         header["start"] = timeline.start.isoformat()
+    if timeline.sides:
+        header["sides"] = list(timeline.sides)
     curve = None if is_derived else timeline.intensity
     if curve is not None:
         header["unit"] = curve.unit

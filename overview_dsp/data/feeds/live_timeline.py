@@ -29,9 +29,9 @@ from overview_dsp.data.feeds.feed_history import (
     identity_of,
     merged_gaps,
 )
-from overview_dsp.data.readers.football.match_timeline import GOALS, label_without_counts
+from overview_dsp.data.readers.football.match_timeline import label_without_counts
 from overview_dsp.data.timeline.curve_points import MAX_VALUE
-from overview_dsp.data.timeline.event import WITHDRAWN_GOAL, Event
+from overview_dsp.data.timeline.event import GOALS, WITHDRAWN_GOAL, Event, checked_sides
 from overview_dsp.data.timeline.gaps import Gaps
 from overview_dsp.data.timeline.intensity import EXTREMES, Intensity
 from overview_dsp.data.timeline.model import Timeline
@@ -122,6 +122,7 @@ class LiveTimeline:
         self._percentiles = percentiles
         self._provenance = "a feed"
         self._notes: tuple[str, ...] = ()
+        self._sides: tuple[str, ...] = ()
         self._buffer = EventBuffer()
         self._samples = SampleBuffer()
         self._coverage = Coverage(validation.positive(silence_s, "silence_s"))
@@ -296,6 +297,7 @@ class LiveTimeline:
         start: datetime | None = None,
         provenance: str | None = None,
         notes: Iterable[str] | None = None,
+        sides: Iterable[str] | None = None,
         percentiles: tuple[float, float] | None = None,
         silence_s: float | None = None,
     ) -> None:
@@ -313,6 +315,8 @@ class LiveTimeline:
             Origin of the data.
         notes : iterable of str or None
             Notes for display.
+        sides : iterable of str or None
+            Names of the two teams.
         percentiles : (float, float) or None
             Percentiles of the samples that become intensity 0 and 1.
         silence_s : float or None
@@ -338,6 +342,8 @@ class LiveTimeline:
         }
         if notes is not None:
             fields["_notes"] = tuple(validation.text(note, "notes") for note in notes)
+        if sides is not None:
+            fields["_sides"] = checked_sides(sides)
         validation.moment(start, LONGEST_S)
         if start is not None:
             fields["_start"] = start
@@ -676,6 +682,7 @@ class LiveTimeline:
             start=self._start,
             details=tuple(self._buffer.details.values()),
             known_until_s=known_until_s,
+            sides=self._sides,
         )
 
     def _gaps(self, events: Iterable[Event], reach: float) -> tuple[Gaps, tuple[str, ...]]:

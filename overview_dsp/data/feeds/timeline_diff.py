@@ -2,8 +2,9 @@
 
 ::
 
-    {"duration_s": ..., "known_until_s": ..., "title": ..., "notes": [...], "provenance": ...,
-     "start": ..., "gaps": [[start_s, end_s]], "gap_reasons": [...],      only changed fields
+    {"duration_s": ..., "known_until_s": ..., "title": ..., "notes": [...], "sides": [...],
+     "provenance": ..., "start": ..., "gaps": [[start_s, end_s]],
+     "gap_reasons": [...],                                                only changed fields
      "gone": [event], "new": [event], "details_gone": [...], "details_new": [...],
      "curve": null | "excitement" | {"keep": n, "time_s": [...], "value": [...], "unit": ...,
                                      "percentiles": [...]}}
@@ -39,7 +40,7 @@ from overview_dsp.errors import InputError, quoted
 
 EXCITEMENT = "excitement"
 _SCALAR_FIELDS = ("title", "duration_s", "known_until_s", "provenance")
-_LIST_FIELDS = ("notes", "gaps", "gap_reasons")
+_LIST_FIELDS = ("notes", "gaps", "gap_reasons", "sides")
 
 
 def timeline_diff(old: Timeline, new: Timeline) -> dict[str, Any]:

@@ -4,6 +4,7 @@
 
     {"overview_timeline": 1,                 version of the format, required
      "title": "Home 1-0 Away",               name of the file if left out
+     "sides": ["Home", "Away"],              teams 1 and 2, optional
      "duration_s": 5640.0,                   required
      "known_until_s": 3780.0,               end of the known part of a growing timeline, optional
      "start": "2012-09-19T09:30:00-04:00",   calendar moment of time 0, ISO 8601, optional
@@ -14,7 +15,7 @@
      "gaps": [[300.0, 310.0]],               optional
      "gap_reasons": ["lead off"],            reason of each gap, optional
      "events": [{"time_s": 786.2, "kind": "goal",
-                 "label": "1-0 Parris (pen)", "weight": 1.0}],     label, weight optional
+                 "label": "1-0 Parris (pen)", "weight": 1.0, "side": 1}],   the last three optional
      "details": [{"time_s": 783.9, "kind": "touch"}],   shown in windows, optional
      "series": {"per_cent": true},           series for finding events of windows: the curve, or
                                              else time_s, value and unit; optional
@@ -52,8 +53,8 @@ MAX_POINTS = 5_000_000
 
 _KEY = "overview_timeline"
 _TOP_KEYS = (
-    _KEY, "title", "duration_s", "known_until_s", "start", "intensity", "gaps", "gap_reasons",
-    "events", "details", "series", "provenance", "notes",
+    _KEY, "title", "sides", "duration_s", "known_until_s", "start", "intensity", "gaps",
+    "gap_reasons", "events", "details", "series", "provenance", "notes",
 )  # fmt: skip
 _INTENSITY_KEYS = ("time_s", "value", "unit", "percentiles")
 _SERIES_KEYS = ("per_cent", "time_s", "value", "unit")
@@ -111,6 +112,7 @@ def decode(document: object, default_title: str = "") -> Timeline:
         notes=tuple(_list(top.get("notes", []), "notes")),
         start=_moment(top["start"]) if "start" in top else None,
         known_until_s=top.get("known_until_s"),
+        sides=tuple(_list(top.get("sides", []), "sides")),
     )
     return replace(timeline, rules=_rules(top["series"], timeline)) if "series" in top else timeline
 
@@ -126,6 +128,7 @@ def encode(timeline: Timeline) -> bytes:
     values: dict[str, object] = {
         _KEY: VERSION,
         "title": timeline.title,
+        "sides": timeline.sides or None,
         "duration_s": timeline.duration_s,
         "known_until_s": timeline.known_until_s,
         "start": timeline.start.isoformat() if timeline.start is not None else None,
@@ -219,7 +222,7 @@ def _rules(value: object, timeline: Timeline) -> WindowRules:
 
 
 def _row(event: Event) -> str:
-    return _json({name: getattr(event, name) for name in FIELDS})
+    return _json({name: getattr(event, name) for name in FIELDS if name != "side" or event.side})
 
 
 def _json(value: object) -> str:
@@ -291,6 +294,7 @@ def _events(value: object, duration_s: float, key: str = "events") -> tuple[Even
                 validation.kind(row["kind"], f"{location}.kind"),
                 validation.text(row.get("label", ""), f"{location}.label"),
                 validation.positive(row.get("weight", 1.0), f"{location}.weight"),
+                validation.whole(row.get("side", 0), f"{location}.side", 0, 2),
             )
         )
     return tuple(events)

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import re
 from bisect import bisect_left, bisect_right
+from collections.abc import Iterable
 from dataclasses import dataclass
 from operator import attrgetter
 from typing import Any
@@ -28,8 +29,11 @@ _CODE = re.compile(r"rhythm \((\w+)\)?")
 
 MAX_EVENTS = 500_000  # maximum number of events of a file: they take 400 MB
 
-FIELDS = ("time_s", "kind", "label", "weight")
+FIELDS = ("time_s", "kind", "label", "weight", "side")
 """Names of the values of an event, in files and tables."""
+
+GOALS = frozenset({"goal", "own_goal"})
+"""Event kinds that change the score."""
 
 MARK = "mark"  # kind of the marks that a user sets
 WITHDRAWN_GOAL = "withdrawn_goal"  # kind of a goal that does not count, at its position
@@ -49,6 +53,9 @@ class Event:
         Text for display.
     weight : float
         Strength relative to other events of the kind; finite, > 0, 1 = ordinary.
+    side : int
+        Team of the event, 1 or 2, or 0 without one; of a goal or own goal, the team that scores.
+        Touch and sound do not depend on it.
 
     Raises
     ------
@@ -65,6 +72,7 @@ class Event:
     kind: str
     label: str = ""
     weight: float = 1.0
+    side: int = 0
 
     def __post_init__(self) -> None:
         time_s = validation.number(self.time_s, "time_s", validation.TIME_HINT)
@@ -77,6 +85,7 @@ class Event:
             self.weight, "weight", "a weight is a finite number above 0, 1 = ordinary"
         )
         object.__setattr__(self, "weight", weight)
+        object.__setattr__(self, "side", validation.whole(self.side, "side", 0, 2))
 
     @property
     def display_label(self) -> str:
@@ -101,7 +110,7 @@ class Event:
         Examples
         --------
         >>> ov.Event(10.0, "goal").moved(4.0)
-        Event(time_s=4.0, kind='goal', label='', weight=1.0)
+        Event(time_s=4.0, kind='goal', label='', weight=1.0, side=0)
         """
         event = object.__new__(Event)
         event.__dict__.update(self.__dict__, time_s=time_s)
@@ -132,6 +141,23 @@ def sorted_events(events: object, duration_s: float) -> tuple[Event, ...]:
             )
         seen.add(key)
     return ordered
+
+
+def checked_sides(sides: object) -> tuple[str, ...]:
+    """Return the names of both teams, or (); InputError for other values."""
+    names = sides if isinstance(sides, tuple | list) else (None,)
+    if len(names) not in (0, 2) or not all(isinstance(name, str) and name for name in names):
+        raise InputError(f"sides is {quoted(sides)}; give the names of two teams, or none")
+    return tuple(validation.text(name, "sides") for name in names)
+
+
+def score_of(events: Iterable[Event]) -> tuple[int, int] | None:
+    """Return the goals of both sides; None without sides, or with a goal of an unknown side."""
+    events = tuple(events)
+    scored = [event.side for event in events if event.kind in GOALS]
+    if 0 in scored or not any(event.side for event in events):
+        return None
+    return scored.count(1), scored.count(2)
 
 
 def cut_events(events: tuple[Event, ...], start: float, end: float) -> tuple[Event, ...]:

@@ -18,7 +18,14 @@ from numpy.typing import ArrayLike
 
 from overview_dsp import validation
 from overview_dsp.arrays import BoolArray, FloatArray, IntArray
-from overview_dsp.data.timeline.event import FIELDS, MARK, Event, cut_events, sorted_events
+from overview_dsp.data.timeline.event import (
+    FIELDS,
+    MARK,
+    Event,
+    checked_sides,
+    cut_events,
+    sorted_events,
+)
 from overview_dsp.data.timeline.gaps import cut_gaps, in_gap, sorted_gaps, sorted_reasons
 from overview_dsp.data.timeline.intensity import EXTREMES, LONG, Intensity
 from overview_dsp.data.timeline.notebook import timeline_page
@@ -73,6 +80,8 @@ class Timeline:
     known_until_s : float or None
         End of the known part of a growing timeline, s. The rest is the future, which has its own
         surface. None if all of it is known.
+    sides : tuple of str
+        Names of the two teams, as in the title, for the `side` of events; empty if unknown.
 
     Raises
     ------
@@ -104,6 +113,7 @@ class Timeline:
     rules: Rules | None = field(default=None, compare=False, repr=False)
     signal: Intensity | None = field(default=None, compare=False, repr=False)
     known_until_s: float | None = None
+    sides: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         validation.text(self.title, "title")
@@ -114,6 +124,7 @@ class Timeline:
         object.__setattr__(self, "duration_s", duration_s)
         notes = tuple(validation.text(note, f"notes[{i}]") for i, note in enumerate(self.notes))
         object.__setattr__(self, "notes", notes)
+        object.__setattr__(self, "sides", checked_sides(self.sides))
         validation.moment(self.start, duration_s)
         object.__setattr__(self, "known_until_s", validation.until(self.known_until_s, duration_s))
         object.__setattr__(self, "events", sorted_events(self.events, duration_s))
@@ -466,7 +477,7 @@ class Timeline:
         Returns
         -------
         pandas.DataFrame
-            Columns `time_s`, `kind`, `label` and `weight`; or `time_s` and `value`. With
+            Columns `time_s`, `kind`, `label`, `weight` and `side`; or `time_s` and `value`. With
             a calendar, also `moment`.
 
         Raises
@@ -477,7 +488,7 @@ class Timeline:
         Examples
         --------
         >>> list(match.to_dataframe())
-        ['time_s', 'kind', 'label', 'weight']
+        ['time_s', 'kind', 'label', 'weight', 'side']
         >>> len(match.to_dataframe("curve")) == match.intensity.count
         True
         """

@@ -49,9 +49,9 @@ def lines_of(timeline: ov.Timeline) -> list[dict[str, Any]]:
 
 def read_prefix(events: list[ov.Event], now_s: float) -> ov.Timeline:
     """Return the events until now as read from an event list."""
-    rows = ["time_s,kind,label"]
+    rows = ["time_s,kind,label,side"]
     # in the order of the match readers, so that the curve is bit-identical
     for event in sorted(events, key=lambda one: one.kind != "period"):
         label = event.label.replace('"', '""')
-        rows.append(f'{event.time_s!r},{event.kind},"{label}"')
+        rows.append(f'{event.time_s!r},{event.kind},"{label}",{event.side}')
     return event_table.decode("\n".join(rows), duration_s=now_s)

@@ -21,19 +21,21 @@ BUNDLED_FILE = (
 FIRST_HALF_S = 48 * 60.0  # 45 + about 3 minutes
 SECOND_HALF_S = 50 * 60.0  # 45 + about 5 minutes
 
-# public facts: minute (of the match as reported), kind, label
+SIDES = ("France", "Croatia")
+
+# public facts: minute (of the match as reported), kind, label, side
 FIRST_HALF_FACTS = (
-    (18, "own_goal", "1-0 own goal, Mandžukić"),
-    (27, "yellow_card", "Kanté (France)"),
-    (28, "goal", "1-1 Perišić"),
-    (38, "goal", "2-1 Griezmann (pen)"),
-    (41, "yellow_card", "Hernández (France)"),
+    (18, "own_goal", "1-0 own goal, Mandžukić", 1),
+    (27, "yellow_card", "Kanté (France)", 1),
+    (28, "goal", "1-1 Perišić", 2),
+    (38, "goal", "2-1 Griezmann (pen)", 1),
+    (41, "yellow_card", "Hernández (France)", 1),
 )
 SECOND_HALF_FACTS = (
-    (59, "goal", "3-1 Pogba"),
-    (65, "goal", "4-1 Mbappé"),
-    (69, "goal", "4-2 Mandžukić"),
-    (92, "yellow_card", "Vrsaljko (Croatia)"),  # 90+2
+    (59, "goal", "3-1 Pogba", 1),
+    (65, "goal", "4-1 Mbappé", 1),
+    (69, "goal", "4-2 Mandžukić", 2),
+    (92, "yellow_card", "Vrsaljko (Croatia)", 2),  # 90+2
 )
 
 # not facts: nobody publishes when these were, so they are made up, and say so
@@ -58,6 +60,11 @@ def synthetic_touches(duration_s: float) -> tuple[Event, ...]:
     return tuple(touches)
 
 
+def made_up(kind: str, label: str, times: tuple[int, ...]) -> list[Event]:
+    """Events of made-up times; the teams take turns."""
+    return [Event(t, kind, label, side=1 + i % 2) for i, t in enumerate(times)]
+
+
 def final() -> Timeline:
     """Lay the facts out, each in the middle of its minute: the m-th lasts from m - 1 to m."""
     events = [
@@ -65,13 +72,13 @@ def final() -> Timeline:
         Event(FIRST_HALF_S, "period", "half-time"),
         Event(FIRST_HALF_S + SECOND_HALF_S, "period", "full time"),
     ]
-    events += [Event((m - 0.5) * 60, kind, label) for m, kind, label in FIRST_HALF_FACTS]
+    events += [Event((m - 0.5) * 60, *fact, 1.0, side) for m, *fact, side in FIRST_HALF_FACTS]
     events += [
-        Event(FIRST_HALF_S + (m - 45 - 0.5) * 60, kind, label)
-        for m, kind, label in SECOND_HALF_FACTS
+        Event(FIRST_HALF_S + (m - 45 - 0.5) * 60, *fact, 1.0, side)
+        for m, *fact, side in SECOND_HALF_FACTS
     ]
-    events += [Event(t, "foul", "foul (synthetic)") for t in SYNTHETIC_FOULS_S]
-    events += [Event(t, "near_miss", "near miss (synthetic)") for t in SYNTHETIC_NEAR_MISSES_S]
+    events += made_up("foul", "foul (synthetic)", SYNTHETIC_FOULS_S)
+    events += made_up("near_miss", "near miss (synthetic)", SYNTHETIC_NEAR_MISSES_S)
     duration_s = FIRST_HALF_S + SECOND_HALF_S
     curve = crowd_curve(events, duration_s)
     return Timeline(
@@ -95,6 +102,7 @@ def final() -> Timeline:
             "the touches felt when zoomed are made up",
         ),
         details=synthetic_touches(duration_s),
+        sides=SIDES,
     )
 
 

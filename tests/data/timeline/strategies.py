@@ -18,6 +18,7 @@ def without_ticks(part: Timeline) -> list[Event]:
     return [event for event in part.events if event.kind not in TICKS]
 
 
+NAMES = TEXT.filter(bool)
 KINDS = st.from_regex(r"[a-z0-9_]{1,12}", fullmatch=True)
 
 
@@ -28,7 +29,7 @@ def timelines(draw: st.DrawFn) -> Timeline:
     times = st.floats(0.0, duration_s)
     events = draw(
         st.lists(
-            st.builds(Event, times, KINDS, TEXT, st.floats(1e-6, 1e6)),
+            st.builds(Event, times, KINDS, TEXT, st.floats(1e-6, 1e6), st.integers(0, 2)),
             max_size=12,
             unique_by=lambda event: (event.time_s, event.kind, event.label),
         )
@@ -53,6 +54,7 @@ def timelines(draw: st.DrawFn) -> Timeline:
     edges = sorted(draw(st.lists(times, max_size=8, unique=True)))
     return Timeline(
         title=draw(TEXT),
+        sides=draw(st.just(()) | st.tuples(NAMES, NAMES)),
         duration_s=duration_s,
         events=tuple(events),
         intensity=intensity,

@@ -8,9 +8,9 @@
 
     # title: Home 1-0 Away
     # duration_s: 5640
-    time_s,kind,label,weight
-    786.2,goal,1-0 Parris (pen),1
-    2571,foul,,
+    time_s,kind,label,weight,side
+    786.2,goal,1-0 Parris (pen),1,1
+    2571,foul,,,
 
 The formats are CSV, TSV and similar, JSON, and JSON lines. `tables.column_roles` lists the column
 names. A table without a header has two columns, times and text. `tables.time_column` reads the
@@ -20,9 +20,10 @@ dates starts at its first event; lists of clock times and numbers start at 0. Nu
 `time` are seconds, except in `football.minute_list`. Two comment lines are read: `# title:`
 (default: the file name) and `# duration_s:` (default: the time of the last event).
 
-A header with `time_s` and `kind` is a strict list, which `encode` writes. `label` (default: empty)
-and `weight` (default: 1) are optional; other columns and repeated rows are errors. Numbers have a
-decimal point. If the first column is `label`, lines after the header that begin with `#` are rows.
+A header with `time_s` and `kind` is a strict list, which `encode` writes. `label` (default: empty),
+`weight` (default: 1) and `side` (team, 1 or 2) are optional; other columns and repeated rows are
+errors. Numbers have a decimal point. If the first column is `label`, lines after the header that
+begin with `#` are rows.
 
 If at least half of the events have football kinds, a crowd-excitement curve is derived.
 """
@@ -222,7 +223,7 @@ class _Reader:
 
     def _listed(self) -> Iterator[ListEntry]:
         roles, count = self.roles, len(self.choice.columns)
-        text_columns = (roles.kind, roles.label, roles.weight, roles.id)
+        text_columns = (roles.kind, roles.label, roles.weight, roles.id, roles.side)
         others = [i for i in (*text_columns, roles.end, roles.length) if i is not None]
         rows = 0
         for chunk in self.table.chunks((*self.choice.columns, *others)):
@@ -240,12 +241,14 @@ class _Reader:
                 if np.isnan(second):
                     self.timeless += 1
                     continue
-                kind, label, weight, id_ = (
+                kind, label, weight, id_, side = (
                     "" if c is None else _cell_text(cells[c][i]) for c in text_columns
                 )
                 row = CellLocation(chunk.number(i), word=self.table.row_word)
                 strength = _weight(weight, replace(row, column="weight")) if weight else 1.0
-                yield ListEntry(second, kind or label, label, str(row), ends[i], strength, id_)
+                team = int(side[0]) if side in ("1", "2", "1.0", "2.0") else 0
+                entry = ListEntry(second, kind or label, label, str(row), ends[i], strength, id_)
+                yield replace(entry, side=team) if team else entry
 
     def _ends(self, cells: dict[int, Cells], seconds: Any) -> list[float | None]:
         """Return the end of each event, s; None if it is unknown."""
@@ -358,12 +361,14 @@ def encode(timeline: Timeline) -> bytes:
             "format (.json)"
         )
     title = " ".join(timeline.title.split())
-    lines = [f"# title: {title}", f"# duration_s: {timeline.duration_s!r}", ",".join(FIELDS)]
+    fields = FIELDS if any(event.side for event in timeline.events) else FIELDS[:-1]
+    lines = [f"# title: {title}", f"# duration_s: {timeline.duration_s!r}", ",".join(fields)]
     for event in timeline.events:
         label = event.label
         if _SPECIAL.search(label):  # the csv module does not quote a single carriage return
             label = '"' + label.replace('"', '""') + '"'
-        lines.append(f"{event.time_s!r},{event.kind},{label},{event.weight!r}")
+        row = f"{event.time_s!r},{event.kind},{label},{event.weight!r},{event.side or ''}"
+        lines.append(row if fields is FIELDS else row.removesuffix(","))
     return ("\n".join(lines) + "\n").encode()
 
 
@@ -423,11 +428,15 @@ def _listed_row(row: dict[str, str], line: int) -> ListEntry:
         location = CellLocation(line, "weight")
         number = _number(row["weight"], location, _WEIGHT_HINT)
         weight = validation.positive(number, str(location), _WEIGHT_HINT)
+    location, text = CellLocation(line, "side"), row.get("side", "")
+    if text not in ("", "0", "1", "2"):
+        raise location.error(text, "isn't 1 or 2, the number of a team")
     with validation.prefix_errors(f"{CellLocation(line, 'kind')}: "):
         validation.kind(kind)
     with validation.prefix_errors(f"line {line}: "):
         label = validation.text(row.get("label", ""), "label")
-    return ListEntry(time_s, kind, label, f"line {line}, column 'time_s'", None, weight)
+    where = f"line {line}, column 'time_s'"
+    return ListEntry(time_s, kind, label, where, None, weight, side=int(text or 0))
 
 
 def _number(text: str, location: CellLocation, hint: str) -> float:

@@ -39,6 +39,8 @@ class ListEntry:
         Strength relative to an ordinary event, 1.
     id
         Id in the file, or empty.
+    side
+        Team of the event, 1 or 2; 0 without one.
     """
 
     time_s: float
@@ -48,6 +50,7 @@ class ListEntry:
     end_s: float | None = None
     weight: float = 1.0
     id: str = ""
+    side: int = 0
 
 
 @dataclass(frozen=True)
@@ -115,7 +118,7 @@ def timeline_of(listed: Sequence[ListEntry], description: ListDescription) -> Ti
         text = one.kind_text
         kind = text if description.as_written else kind_of(text) or DEFAULT_KIND
         label = one.label or ("" if kind == text else text)
-        event = Event(one.time_s - zero, kind, label, one.weight)
+        event = Event(one.time_s - zero, kind, label, one.weight, one.side)
         events.setdefault((event.time_s, event.kind, event.label), event)
     if len(events) < len(listed):
         notes.append(f"{len(listed) - len(events)} rows repeat another row and were omitted")

@@ -14,7 +14,7 @@ from typing import Any
 
 from overview_dsp import validation
 from overview_dsp.data.analysis.crowd_excitement import derive_intensity
-from overview_dsp.data.timeline.event import Event
+from overview_dsp.data.timeline.event import GOALS, Event
 from overview_dsp.data.timeline.model import Timeline
 from overview_dsp.data.timeline.time_parsing import plain_letters
 from overview_dsp.errors import InputError, quoted
@@ -22,9 +22,6 @@ from overview_dsp.files.toml import load_toml
 
 ACTIONS: dict[str, dict[str, Any]] = load_toml(__file__, "actions.toml")
 """Events in the words of services, by service."""
-
-GOALS = frozenset({"goal", "own_goal"})
-"""Event kinds that change the score."""
 
 SHOOT_OUT = 5
 """Number of the period of a shoot-out. 1 and 2 are the halves, 3 and 4 those of extra time."""
@@ -172,7 +169,8 @@ def match_timeline(
         if seen[key] > 1:  # equal rows without a name are different events
             label = f"{label} ({seen[key]})".strip()
         with validation.prefix_errors(f"{one.location}: " if one.location else ""):
-            events.append(Event(one.time_s, one.kind, label))
+            side = 0 if one.team is None or one.team > 1 else one.team + 1
+            events.append(Event(one.time_s, one.kind, label, side=side))
     counted = None if uncounted else (score[0], score[1])
     if len(teams) == 1 and any(one.kind in GOALS for one in shown):
         all_notes.append(f"only the team {quoted(teams[0])} is named: the score is not counted")
@@ -186,7 +184,8 @@ def match_timeline(
         )
     intensity, derived, derived_notes = derive_intensity(events, reach_s)
     title, shown_score = default_title, final or counted
-    if known and all(teams[:2]):
+    sides = tuple(teams[:2]) if known and all(teams[:2]) else ()
+    if sides:
         result = f"{shown_score[0]}-{shown_score[1]}" if shown_score is not None else "-"
         title = ", ".join([f"{teams[0]} {result} {teams[1]}", *filter(None, title_parts)])
     details: dict[Event, None] = {}
@@ -203,6 +202,7 @@ def match_timeline(
         notes=(*all_notes, *derived_notes),
         details=tuple(details),
         known_until_s=known_until_s,
+        sides=sides,
     )
 
 

@@ -37,7 +37,6 @@ from dataclasses import dataclass, replace
 
 from overview_dsp.data.readers.data_file import DataFile, LoadOptions
 from overview_dsp.data.readers.football.match_timeline import (
-    GOALS,
     SHOOT_OUT,
     MatchEvent,
     match_timeline,
@@ -58,6 +57,7 @@ from overview_dsp.data.readers.tables import column_names
 from overview_dsp.data.readers.tables.delimited import records
 from overview_dsp.data.readers.tables.dialect import header_dialect
 from overview_dsp.data.readers.tables.table import MAX_COLUMNS, CellLocation
+from overview_dsp.data.timeline.event import GOALS
 from overview_dsp.data.timeline.model import Timeline
 from overview_dsp.errors import InputError, quoted
 

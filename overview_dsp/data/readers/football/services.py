@@ -21,7 +21,6 @@ from overview_dsp import validation
 from overview_dsp.data.readers.data_file import DataFile, LoadOptions
 from overview_dsp.data.readers.football.match_timeline import (
     ACTIONS,
-    GOALS,
     MatchEvent,
     contains_record,
     match_timeline,
@@ -29,7 +28,7 @@ from overview_dsp.data.readers.football.match_timeline import (
     short_name,
 )
 from overview_dsp.data.readers.football.minutes import Clock, Minute, check_minute
-from overview_dsp.data.timeline.event import WITHDRAWN_GOAL
+from overview_dsp.data.timeline.event import GOALS, WITHDRAWN_GOAL
 from overview_dsp.data.timeline.model import Timeline
 from overview_dsp.errors import InputError, quoted
 from overview_dsp.public import counted

@@ -36,7 +36,6 @@ from overview_dsp.data.readers.data_file import DataFile, LoadOptions
 from overview_dsp.data.readers.events.timeline_builder import repeated_ids
 from overview_dsp.data.readers.football.match_timeline import (
     ACTIONS,
-    GOALS,
     SHOOT_OUT,
     TOUCH,
     MatchEvent,
@@ -51,6 +50,7 @@ from overview_dsp.data.readers.tables.delimited import records
 from overview_dsp.data.readers.tables.dialect import header_dialect
 from overview_dsp.data.readers.tables.table import Column
 from overview_dsp.data.readers.tables.time_column import as_number
+from overview_dsp.data.timeline.event import GOALS
 from overview_dsp.data.timeline.model import Timeline
 from overview_dsp.errors import InputError, quoted
 

@@ -33,7 +33,6 @@ from overview_dsp.data.readers.data_file import DataFile, LoadOptions
 from overview_dsp.data.readers.events.timeline_builder import repeated_ids
 from overview_dsp.data.readers.football.match_timeline import (
     ACTIONS,
-    GOALS,
     MAX_PERIOD_S,
     SHOOT_OUT,
     TOUCH,
@@ -45,6 +44,7 @@ from overview_dsp.data.readers.football.match_timeline import (
     shoot_out_note,
     short_name,
 )
+from overview_dsp.data.timeline.event import GOALS
 from overview_dsp.data.timeline.model import Timeline
 from overview_dsp.errors import InputError, quoted
 

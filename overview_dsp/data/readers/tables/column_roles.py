@@ -506,6 +506,7 @@ class Roles:
     end: int | None = None
     length: int | None = None
     id: int | None = None
+    side: int | None = None
     notes: tuple[str, ...] = field(default=())
 
 
@@ -624,6 +625,7 @@ def roles_of(columns: Columns, head: Head, options: LoadOptions) -> Roles:
         named(columns, NAMES["event_ends"]),
         named(columns, NAMES["event_lengths"]),
         named(columns, NAMES["event_ids"]),
+        named(columns, ["side"]),
         _form_notes(form),
     )
 

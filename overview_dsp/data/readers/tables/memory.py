@@ -233,7 +233,7 @@ def _of_rows(rows: Sequence[Sequence[Any]]) -> list[tuple[str, InputColumn]]:
         names, rows = list(head), below
     elif 2 <= width <= len(FIELDS) and all(_is_event(row) for row in rows[:_SAMPLE]):
         names = list(FIELDS[:width])
-        rows = [(*row, *("", 1.0)[len(row) - 2 : width - 2]) for row in rows]
+        rows = [(*row, *("", 1.0, 0)[len(row) - 2 : width - 2]) for row in rows]
         if not all(isinstance(row[0], int | float) for row in rows[:_SAMPLE]):
             names[0] = "time"
     else:
@@ -261,7 +261,7 @@ def _is_text(row: Sequence[Any]) -> bool:
 
 
 def _is_event(row: Sequence[Any]) -> bool:
-    """Return whether a row is a time and a kind, with or without label and weight."""
+    """Return whether a row is a time and a kind, perhaps with label, weight and side."""
     return (
         2 <= len(row) <= len(FIELDS)
         and isinstance(row[1], str)
