@@ -232,10 +232,11 @@ class PlayApp(App[None]):
             texts = ("" if source is None else source.status_text, status.following or "")
             finger = finger_position(self._player)
             place, _, event = self._report.here(status.cursor if finger is None else finger)
+            words = "" if event is None else event_text(event, self._player.timeline.sides)
             with_peaks = replace(status, peak_click=peaks[0], peak_tactor=peaks[1])
             self._meters.show(
                 with_peaks,
-                f"{place}  {'' if event is None else event_text(event)}".rstrip(),
+                f"{place}  {words}".rstrip(),
                 "; ".join(filter(None, texts)),
             )
             peaks[:] = 0.0, 0.0

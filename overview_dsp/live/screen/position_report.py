@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 import re
 from collections import Counter
+from collections.abc import Sequence
 from datetime import timedelta
 
 import numpy as np
 
 from overview_dsp.data.analysis.series_events import value_text
 from overview_dsp.data.timeline import Event, Timeline
+from overview_dsp.data.timeline.event import GOALS, score_of
 from overview_dsp.live.session.player import Player
 from overview_dsp.public import counted
 from overview_dsp.units import HALF_TURN, clock_text
@@ -32,13 +35,26 @@ _TENTHS_BELOW_S = 600.0
 _SCORE = re.compile(r"(\d+)-(\d+)\b\s*")
 
 
-def event_text(event: Event) -> str:
-    """Return kind and label of an event, without the score."""
+def event_text(event: Event, sides: Sequence[str] = ()) -> str:
+    """Return kind, label and team of an event, without the score; an own goal is for its team."""
     kind = event.kind.replace("_", " ")
-    label = _SCORE.sub("", event.display_label, count=1)
-    if not label or label.casefold().startswith(kind):
-        return label or kind
-    return f"{kind}, {label}"
+    text = _SCORE.sub("", event.display_label, count=1) or kind
+    if not text.casefold().startswith(kind):
+        text = f"{kind}, {text}"
+    team = sides[event.side - 1] if event.side and sides else ""
+    if team in text:
+        return text
+    return f"{text}, {'for ' if event.kind == 'own_goal' else ''}{team}"
+
+
+def running_scores(timeline: Timeline) -> list[tuple[Event, str]]:
+    """Return the goals with the score after each, by their sides, or else by their labels."""
+    goals = [event for event in timeline.events if event.kind in GOALS]
+    if score_of(timeline.events) is None:
+        found = ((goal, _SCORE.match(goal.display_label)) for goal in goals)
+        return [(goal, f"{score[1]}-{score[2]}") for goal, score in found if score is not None]
+    first = itertools.accumulate(goal.side % 2 for goal in goals)
+    return [(goal, f"{n}-{i - n}") for i, (goal, n) in enumerate(zip(goals, first, strict=True), 1)]
 
 
 def finger_position(player: Player) -> float | None:
@@ -92,7 +108,7 @@ class PositionReport:
         last, self._last = self._last, (time_s, event)
         parts = [place]
         if event is not None and (last is None or not _is_same(last[1], event)):
-            parts.append(event_text(event))
+            parts.append(event_text(event, self._player.timeline.sides))
         if last is not None and (passed := self._passed(last, time_s, event)):
             parts.append(f"passed {passed}")
         return " ".join(f"{part[:1].upper()}{part[1:]}." for part in parts)
@@ -103,12 +119,10 @@ class PositionReport:
         if timeline is self._timeline:
             return
         self._timeline = timeline
-        found = ((one, _SCORE.match(one.display_label)) for one in timeline.events)
-        self._scores = [
-            (one.time_s, f"{score[1]} to {score[2]}")
-            for one, score in found
-            if score is not None and one.kind in ("goal", "own_goal")
-        ]
+        found = running_scores(timeline)
+        self._scores = [(goal.time_s, score.replace("-", " to ")) for goal, score in found]
+        if found or score_of(timeline.events):
+            self._scores.insert(0, (-math.inf, "0 to 0"))
         curve, self._extremes = timeline.intensity, list[Event]()
         self._has_values = curve is not None and DERIVED_UNIT not in curve.unit
         if curve is None or not self._has_values or not 1 < curve.count <= MOST_POINTS:
@@ -129,7 +143,7 @@ class PositionReport:
         if timeline.known_until_s is not None and time_s > timeline.known_until_s:
             return "no data yet"
         if self._scores:
-            return next((one for at, one in reversed(self._scores) if at <= known_s), "0 to 0")
+            return next(one for at, one in reversed(self._scores) if at <= known_s)
         if curve is None or not self._has_values:
             return ""
         at = np.array([time_s])
@@ -159,7 +173,7 @@ class PositionReport:
             and not (_is_same(one, last[1]) or _is_same(one, event))
         ]
         if len(passed) <= NAMED:
-            return ", ".join(event_text(one) for one in passed)
+            return ", ".join(event_text(one, self._player.timeline.sides) for one in passed)
         kinds = Counter(one.kind.replace("_", " ") for one in passed)
         if len(kinds) > COUNTED:
             return f"{len(passed)} events"

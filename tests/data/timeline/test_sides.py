@@ -82,15 +82,15 @@ def api_goals():
         json.dumps(api_goals()),
         json.dumps(
             service_documents.football_data(
-                [service_documents.data_goal(3), service_documents.data_goal(9, 2, "Lund")],
-                score=(1, 1),
+                [service_documents.data_goal(3), service_documents.data_goal(9, 1, "Lund")],
+                score=(2, 0),
             )
         ),
         json.dumps(
             service_documents.open_liga(
                 [
                     service_documents.liga_goal(0, 1, 20),
-                    service_documents.liga_goal(1, 1, 50, "Lund", 2, isOwnGoal=True),
+                    service_documents.liga_goal(0, 2, 50, "Lund", 2, isOwnGoal=True),
                 ],
                 finished=True,
             )

@@ -72,12 +72,37 @@ def test_a_position_in_a_match_has_the_score_and_names_or_counts_what_was_passed
         return report.text(time_s / match.duration_s)
 
     assert at(60.0) == "1:00, 0 to 0."
-    assert at(1650.0) == "27:30, 1 to 1. Goal, Perišić. Passed 9 events."
+    assert at(1650.0) == "27:30, 1 to 1. Goal, Perišić, Croatia. Passed 9 events."
     assert at(1700.0) == "28:20, 1 to 1."
     assert at(2300.0).startswith("38:20, 2 to 1. Passed 2 fouls, 1 near miss, 1 goal")
     assert at(5880.0).startswith("1:38:00, end, 4 to 2. Period, full time. Passed ")
     report.forget()
     assert at(60.0) == "1:00, 0 to 0."
+
+
+def test_the_score_is_counted_by_sides_with_own_goals_and_corrections(opened):
+    names = ("North", "South")
+    events = (
+        ov.Event(100.0, "own_goal", "Berg", side=2),
+        ov.Event(200.0, "goal", "9-9 Lund", side=1),
+        ov.Event(300.0, "yellow_card", "Friis (South)", side=2),
+        ov.Event(400.0, "goal", side=2),
+    )
+    report = PositionReport(opened(ov.Timeline("North - South", 1000.0, events, sides=names)))
+    assert report.text(0.05) == "0:50, 0 to 0."
+    assert report.text(0.1) == "1:40, 0 to 1. Own goal, Berg, for South."
+    assert report.text(0.2) == "3:20, 1 to 1. Goal, Lund, North."
+    assert report.text(0.3) == "5:00, 1 to 1. Yellow card, Friis (South)."
+    assert report.text(1.0) == "16:40, end, 1 to 2. Passed goal, South."
+    # the goal was given to the other team, the last one withdrawn
+    corrected = (ov.Event(100.0, "own_goal", "Berg", side=1), *events[1:3])
+    report = PositionReport(opened(ov.Timeline("North - South", 1000.0, corrected, sides=names)))
+    assert report.text(1.0) == "16:40, end, 2 to 0."
+    report = PositionReport(opened(ov.Timeline("x", 1000.0, events[2:3], sides=names)))
+    assert report.text(0.9) == "15:00, 0 to 0."
+    # a goal of an unknown side: the labels tell the score, where they do
+    report = PositionReport(opened(ov.Timeline("x", 1000.0, (*events[1:3], ov.Event(9.0, "goal")))))
+    assert report.text(0.9) == "15:00, 9 to 9."
 
 
 def test_events_that_are_close_in_a_long_timeline_are_each_passed_once(opened):
