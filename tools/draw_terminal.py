@@ -32,11 +32,12 @@ COLUMN, ROW, LEFT, TOP = 12.2, 24.4, 9.0, 66.0
 """Of the picture: a character's width, a line's height, where the first line stands."""
 
 NOTES = (
-    (44.3, 2.9, "each bar is an event:"),
-    (44.3, 3.9, "the higher, the harder"),
-    (44.3, 4.9, "to pull the disk over it"),
-    (84.0, 3.9, "grey between them:"),
-    (84.0, 4.9, "the crowd"),
+    (84.0, 1.9, "below: a lane for each team"),
+    (44.3, 6.9, "each bar is an event:"),
+    (44.3, 7.9, "the higher, the harder"),
+    (44.3, 8.9, "to pull the disk over it"),
+    (84.0, 7.9, "grey between them:"),
+    (84.0, 8.9, "the crowd"),
     (13.5, 16.0, "the disk sticks on a goal, on a spring to your finger ahead of it  →"),
     (84.0, 16.0, "←  your mouse or arrow keys"),
     (9.0, 20.0, "what was felt and heard in the last seconds  →"),

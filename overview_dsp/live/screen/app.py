@@ -26,7 +26,7 @@ from overview_dsp.live.inputs.input import Input
 from overview_dsp.live.screen.key_actions import KeyActions, help_text
 from overview_dsp.live.screen.position_report import PositionReport, event_text, finger_position
 from overview_dsp.live.screen.terminal import has_hung_up, nonblocking_driver
-from overview_dsp.live.screen.timeline_view import TimelineView, marks
+from overview_dsp.live.screen.timeline_view import TimelineView, marks, title_text
 from overview_dsp.live.screen.trace_view import MetersView, TraceView
 from overview_dsp.live.session.command_forms import FORMS
 from overview_dsp.live.session.commands import poll
@@ -181,12 +181,13 @@ class PlayApp(App[None]):
         self._key_actions = KeyActions(player)
         self._legend_surface: Surface | None = None
         self._legend = Static("", id="legend")
+        self._title = Static(title_text(player.timeline), id="title")
         self._message_lines = Static("", id="messages", markup=False)
         self._state_line = Static("", id="state", markup=False)
 
     def compose(self) -> ComposeResult:
         """Yield title, legend, timeline, meters, messages and keys."""
-        yield Static(self._player.timeline.title, id="title", markup=False)
+        yield self._title
         if self._invitation:
             yield Static(self._invitation.splitlines()[0], id="invitation", markup=False)
         yield self._legend
@@ -245,7 +246,7 @@ class PlayApp(App[None]):
         self._show_messages(status.messages)
 
     def _show_legend(self) -> None:
-        """Show the mark of each event kind, in the colours of the timeline view."""
+        """Show the title, and the mark of each event kind in the colours of the view."""
         surface = self._player.engine.surface
         if surface is not self._legend_surface:
             self._legend_surface = surface
@@ -254,6 +255,7 @@ class PlayApp(App[None]):
                 text.append(f"{mark} ", f"bold {colour}").append(f"{kind}  ")
             text.append("◉ disk  ▼ input", "dim")
             self._legend.update(text)
+            self._title.update(title_text(self._player.timeline))
 
     def _show_messages(self, messages: tuple[str, ...]) -> None:
         """Show new messages, and remove old ones."""

@@ -77,6 +77,8 @@ class KeyActions:
 def help_text(player: Player) -> str:
     """Return the help on keys and marks."""
     shown = "  ".join(f"{mark} {kind}" for mark, _, kind in marks(player)) or "no events"
+    if sides := player.timeline.sides:
+        shown += f"\nupper lane: {sides[0]}, lower lane: {sides[1]}"
     if not player.active_window.angle_map.is_linear:
         shown += f"\n{STRETCHED} time is stretched, because events are close together"
     return HELP["full"].replace("MARKS", shown)

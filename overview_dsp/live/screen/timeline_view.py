@@ -1,5 +1,8 @@
 """View of the timeline in the terminal: friction, events, input, disk and axis.
 
+Events of two teams have two lanes, the first team's above. Signs, or letters in ASCII, tell kind
+and team without colour; an event of no team is in both lanes.
+
 The disk sticks where friction is high, so its cursor lags behind the input. The shaft between the
 two is drawn (the paper's pseudo-haptic effect).
 """
@@ -7,16 +10,22 @@ two is drawn (the paper's pseudo-haptic effect).
 from __future__ import annotations
 
 import math
+import os
+from collections.abc import Iterator
 from itertools import pairwise
 
 import numpy as np
 from rich.segment import Segment
 from rich.style import Style
+from rich.text import Text
 from textual import events
 from textual.geometry import Region
 from textual.strip import Strip
 from textual.widget import Widget
 
+from overview_dsp.data.timeline import Event, Timeline
+from overview_dsp.live.screen.position_report import running_scores
+from overview_dsp.live.screen.terminal import has_utf8
 from overview_dsp.live.session.player import Player
 from overview_dsp.live.session.session import Status
 from overview_dsp.units import clock_text
@@ -24,13 +33,30 @@ from overview_dsp.units import clock_text
 BLOCKS = " ▁▂▃▄▅▆▇█"
 MARKS = "▲◆●■✚★◇○"
 COLOURS = ("green", "yellow", "cyan", "magenta", "red", "blue", "white")
+TEAM_MARKS = {
+    "goal": "●○Gg", "own_goal": "⊗⊗Oo", "near_miss": "▲△Nn", "yellow_card": "■□Yy",
+    "red_card": "▰▱Rr", "foul": "××xx", "period": "││||",
+}  # fmt: skip
+"""Marks of both teams by kind, and their letters in ASCII."""
+
+OTHER_MARKS = "◆✚★◇"
+TEAM_COLOURS = ("white", "color(75)", "color(212)")
+"""Colours of events of no team and of the two teams: white, blue and pink."""
+
+CARD_COLOURS = {"yellow_card": "color(221)", "red_card": "color(203)"}
+SCORES_FROM, LANES_FROM = 20, 12
+"""Heights of the screen from which goals have their score, and each team its lane."""
+
+LEAST_WITH_SCORES = 8
+"""Height of the view below which goals have no score."""
+
 NOW = "┊"
 """Mark of the time up to which a live timeline has data."""
 
 STRETCHED = "═"
 """Mark on the axis where the angle map separates close events."""
 
-AXIS_ROWS, INPUT_ROWS, EVENT_ROWS = 1, 1, 1
+AXIS_ROWS, INPUT_ROWS = 1, 1
 MARK_EVERY = 2
 """Updates between two marks of the disk's column, a colourful line that is slow to send."""
 
@@ -48,7 +74,7 @@ class TimelineView(Widget):
         self._mark = self._updates = 0
         self._now: int | None = None
         self._stretched: list[tuple[int, int]] = []
-        self._drawn: tuple[object, int, int] | None = None
+        self._drawn: tuple[object, ...] | None = None
         self._pressed: float | None = None
 
     # --- the mouse ------------------------------------------------------------------------------
@@ -84,7 +110,7 @@ class TimelineView(Widget):
         """Draw the parts that have changed."""
         width = self.size.width
         now = (column(status.cursor, width), column(status.pointer, width), status.touching)
-        surface = (self._player.engine.surface, self.size.width, self.size.height)
+        surface = (self._player.engine.surface, self.size, self.app.size)
         before = (column(self._cursor, width), column(self._input, width), self._touching)
         self._cursor, self._input = status.cursor, status.pointer
         self._touching = status.touching
@@ -120,10 +146,19 @@ class TimelineView(Widget):
         # logarithmic heights: the friction of a goal is a hundred times that of the base surface
         low, high = math.log(friction.min()), math.log(friction.max())
         self._heights = (np.log(columns) - low) / max(high - low, 1e-9)
-        self._marks: dict[int, tuple[str, str]] = {}
-        for position, kind in zip(surface.position, surface.kind, strict=True):
-            mark = (MARKS[kind % len(MARKS)], COLOURS[kind % len(COLOURS)])
-            self._marks[column(float(position), width)] = mark
+        height, teams = self.app.size.height, has_teams(self._player.timeline)
+        lanes = [dict[int, tuple[str, str]]() for _ in range(1 + (teams and height >= LANES_FROM))]
+        # events of a team last, over those of both
+        for event, kind, position in sorted(
+            _visible_events(self._player), key=lambda one: one[0].side
+        ):
+            own = lanes[event.side - 1 :][:1] if event.side else []
+            for lane in own or lanes:
+                lane[column(position, width)] = mark_of(event.kind, kind, event.side, teams)
+        self._marks = {x: mark for lane in lanes for x, mark in lane.items()}
+        self._top = [_lane_line(lane, width, teams) for lane in lanes]
+        if teams and height >= SCORES_FROM and self.size.height >= LEAST_WITH_SCORES:
+            self._top = [self._score_line(1, width), *self._top, self._score_line(2, width)]
         until = self._player.active_window.window_timeline.known_until_s
         angle_map = self._player.active_window.angle_map
         self._now = None if until is None else column(float(angle_map.position_of(until)), width)
@@ -136,22 +171,27 @@ class TimelineView(Widget):
         width, height = self.size.width, self.size.height
         if self._drawn is None or len(self._heights) != width:
             return Strip.blank(width, Style.null())
-        rows = height - AXIS_ROWS - INPUT_ROWS - EVENT_ROWS
-        if y == 0:
-            return Strip(self._event_line(width)).simplify()
+        rows = height - AXIS_ROWS - INPUT_ROWS - len(self._top)
+        if y < len(self._top):
+            return Strip(self._top[y]).simplify()
         if y == height - 1:
             return Strip([Segment(self._axis(width), Style(dim=True))])
         if y == height - 2:
             return Strip(self._input_line(width))
-        return Strip(self._column_line(width, rows, rows - y)).simplify()
+        return Strip(self._column_line(width, rows, height - 3 - y)).simplify()
 
-    def _event_line(self, width: int) -> list[Segment]:
-        return [
-            Segment(self._marks[x][0], Style(color=self._marks[x][1], bold=True))
-            if x in self._marks
-            else Segment(" ", Style.null())
-            for x in range(width)
-        ]
+    def _score_line(self, side: int, width: int) -> list[Segment]:
+        """Return the score after each goal of a team, at its mark, as far as there is room."""
+        start_s, scores = self._player.window[0], running_scores(self._player.timeline)
+        found = {(goal.time_s - start_s, goal.kind, goal.label): text for goal, text in scores}
+        cells = [" "] * width
+        for event, _, position in _visible_events(self._player):
+            text = found.get((event.time_s, event.kind, event.label), "")
+            at = min(max(0, column(position, width) - len(text) // 2), max(0, width - len(text)))
+            around = cells[max(0, at - 1) : at + len(text) + 1]
+            if text and event.side == side and not "".join(around).strip():
+                cells[at : at + len(text)] = text
+        return [Segment("".join(cells[:width]), Style(bold=True))]
 
     def _column_line(self, width: int, rows: int, row: int) -> list[Segment]:
         """Return row `row` of the friction columns; row 0, the lowest, marks the disk's column."""
@@ -218,16 +258,54 @@ def time_text(player: Player, time_s: float) -> str:
     return moment.strftime("%Y-%m-%d" if long else "%m-%d %H:%M")
 
 
+def has_teams(timeline: Timeline) -> bool:
+    """Return whether events have a lane for each of two teams."""
+    return bool(timeline.sides) or any(event.side for event in timeline.events)
+
+
+def _visible_events(player: Player) -> Iterator[tuple[Event, int, float]]:
+    """Yield the visible events in order, the numbers of their kinds, and their positions."""
+    surface, events = player.engine.surface, player.engine.timeline.events
+    for index, kind, position in zip(surface.event, surface.kind, surface.position, strict=True):
+        if index < len(events):
+            yield events[index], int(kind), float(position)
+
+
+def mark_of(kind: str, number: int, side: int, teams: bool) -> tuple[str, str]:
+    """Return mark and colour of an event, by its kind and team, or the number of its kind."""
+    if not teams:
+        return MARKS[number % len(MARKS)], COLOURS[number % len(COLOURS)]
+    found = TEAM_MARKS.get(kind, OTHER_MARKS[number % len(OTHER_MARKS)] * 4)
+    mark = found[(side == 2) + (0 if has_utf8(os.environ) else 2)]
+    return mark, CARD_COLOURS.get(kind, TEAM_COLOURS[side])
+
+
+def _lane_line(lane: dict[int, tuple[str, str]], width: int, teams: bool) -> list[Segment]:
+    blank = ("·", "bright_black") if teams else (" ", "default")
+    cells = (lane.get(x, blank) for x in range(width))
+    return [Segment(mark, Style(color=colour, bold=mark != blank[0])) for mark, colour in cells]
+
+
 def marks(player: Player) -> list[tuple[str, str, str]]:
-    """Return mark, colour and kind of the visible events, in the order of the marks."""
-    surface = player.engine.surface
-    events = player.active_window.window_timeline.events
-    kinds = {
-        int(kind): events[event].kind
-        for kind, event in zip(surface.kind, surface.event, strict=True)
-        if event < len(events)
-    }
+    """Return mark (of the first team), colour and kind of the visible events, in their order."""
+    teams = has_teams(player.timeline)
+    kinds = {number: event.kind for event, number, _ in _visible_events(player)}
     return [
-        (MARKS[kind % len(MARKS)], COLOURS[kind % len(COLOURS)], kinds[kind].replace("_", " "))
-        for kind in sorted(kinds)
+        (*mark_of(kinds[number], number, 0, teams), kinds[number].replace("_", " "))
+        for number in sorted(kinds)
     ]
+
+
+def title_text(timeline: Timeline) -> Text:
+    """Return the title, in which the names of the teams are the key to their marks."""
+    if not timeline.sides:
+        return Text(timeline.title)
+    (first, second), is_utf8 = timeline.sides, has_utf8(os.environ)
+    before, _, rest = timeline.title.partition(first)
+    between, found, after = rest.partition(second)
+    if not found:
+        before, between, after = "", " ", f" {timeline.title}"
+    names = (f"● {first}", f"{second} ○") if is_utf8 else (first.upper(), second.lower())
+    return Text.assemble(
+        before, (names[0], TEAM_COLOURS[1]), between, (names[1], TEAM_COLOURS[2]), after
+    )
