@@ -2,7 +2,7 @@
 
 python tools/build_c.py [FOLDER]
 
-numba's LLVM IR of `overview_dsp.kernels.c_abi.c` is optimised for a processor without vector
+numba's LLVM IR of `c_abi/c.py` is optimised for a processor without vector
 registers, so that it has scalar operations only, and translated to C99 (ir_to_c.py). The same
 tool-chain (named in kernel.c) gives the same bytes.
 """
@@ -219,7 +219,8 @@ int32_t overview_process(void *memory, float *out, int64_t frames, int32_t chann
 
 def main(folder: Path) -> None:
     with unoptimised():
-        from overview_dsp.kernels.c_abi.c import NAMES
+        from c_abi.c import NAMES
+
         from overview_dsp.kernels.sources import sources_digest
 
         functions = c_functions(NAMES)

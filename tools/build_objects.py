@@ -2,7 +2,7 @@
 
 python tools/build_objects.py [FOLDER]
 
-numba's LLVM IR of `overview_dsp.kernels.c_abi.entry_points` is compiled for each of TARGETS by the
+numba's LLVM IR of `c_abi/entry_points.py` is compiled for each of TARGETS by the
 LLVM inside llvmlite, which also loads the objects (`kernels/precompiled.py`). `objects.json` holds
 digests of the sources and the objects, and the tool-chain. The same sources and tool-chain give the
 same bytes.
@@ -34,7 +34,8 @@ ALLOWED = {"clock_gettime", "memset", "memcpy", "memmove", "sqrt"}
 def main(folder: Path) -> None:
     folder.mkdir(exist_ok=True)
     with unoptimised():
-        from overview_dsp.kernels.c_abi.entry_points import NAMES
+        from c_abi.entry_points import NAMES
+
         from overview_dsp.kernels.precompiled import CHOICES
         from overview_dsp.kernels.sources import sources_digest
 

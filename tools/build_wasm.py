@@ -2,7 +2,7 @@
 
 python tools/build_wasm.py [OUT.wasm]
 
-Needs `pip install ziglang` (for wasm-ld). numba's LLVM IR of `overview_dsp.kernels.c_abi.browser`
+Needs `pip install ziglang` (for wasm-ld). numba's LLVM IR of `c_abi/browser.py`
 is compiled for wasm32 by the LLVM inside llvmlite. The module exports its functions, its memory and
 `__heap_base`, from where on the memory is free, and imports nothing. Its section `sources` is the
 kernels' digest. The same tool-chain (in its section `toolchain`) gives the same bytes.
@@ -26,7 +26,8 @@ PARTS = ("numba", "llvmlite", "ziglang")
 
 def main(out: Path) -> None:
     with unoptimised() as folder:
-        from overview_dsp.kernels.c_abi.browser import NAMES
+        from c_abi.browser import NAMES
+
         from overview_dsp.kernels.sources import sources_digest
 
         machine = machine_for(TRIPLE, reloc="static", codemodel="default")

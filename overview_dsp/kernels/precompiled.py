@@ -106,7 +106,7 @@ _FUNCTIONS: dict[str, tuple[str, Adapter]] = {
         lambda call, at: lambda i64, column, value: call(at(i64), column, value),
     ),
 }
-"""C declaration and adapter of each function in `c_abi/entry_points.py`."""
+"""C declaration and adapter of each function in `tools/c_abi/entry_points.py`."""
 
 _LOADING = threading.Lock()
 

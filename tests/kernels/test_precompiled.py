@@ -16,8 +16,8 @@ import pytest
 
 import overview_dsp as ov
 from overview_dsp.kernels import precompiled
-from overview_dsp.kernels.c_abi.entry_points import NAMES
 from overview_dsp.kernels.sources import sources_digest
+from tools.c_abi.entry_points import NAMES
 
 ROOT = Path(__file__).resolve().parents[2]
 OBJECTS = resources.files("overview_dsp.kernels") / "objects"

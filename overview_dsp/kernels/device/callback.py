@@ -17,10 +17,10 @@ import numpy as np
 from numba import types
 
 from overview_dsp.kernels import layout
-from overview_dsp.kernels.c_abi.memory import carray, views
 from overview_dsp.kernels.compiling import c_callback, inlined
 from overview_dsp.kernels.device.stream_block import deliver
 from overview_dsp.kernels.math_functions import ONE_BITS
+from overview_dsp.kernels.plain_memory import carray, views
 from overview_dsp.kernels.precompiled import precompiled_callback
 from overview_dsp.kernels.simd.vector import bits_of
 

@@ -1,5 +1,5 @@
 /* overView DSP: the voice in C, for overview.h. Made by tools/build_c.py from the Python kernels.
-   kernels 6b7e1222d316fec6
+   kernels e87097f09eb19e9e
    numba 0.68.1, llvmlite 0.50.0 */
 #include "operations.h"
 

@@ -15,10 +15,10 @@ import numpy as np
 from numba import types
 
 from overview_dsp.kernels import block, layout
-from overview_dsp.kernels.c_abi.memory import carray, views
 from overview_dsp.kernels.derive import derive_at, set_parameter
 from overview_dsp.kernels.device.derive_actuator import derive_actuator
 from overview_dsp.kernels.device.stream_block import deliver
+from overview_dsp.kernels.plain_memory import carray, views
 
 
 def render(output, frame_count, memory):

@@ -11,10 +11,10 @@ import numpy as np
 from numba import types
 
 from overview_dsp.kernels import block, layout
-from overview_dsp.kernels.c_abi.memory import carray, views
 from overview_dsp.kernels.control_events import push_control
 from overview_dsp.kernels.derive import derive_at, set_parameter
 from overview_dsp.kernels.memory_image import decode, is_image, is_valid
+from overview_dsp.kernels.plain_memory import carray, views
 
 DONE, REFUSED = 0, -1
 COLUMN_BYTES = 8

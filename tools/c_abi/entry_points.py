@@ -12,10 +12,10 @@ import numpy as np
 from numba import types
 
 from overview_dsp.kernels import atomics, block, derive, layout
-from overview_dsp.kernels.c_abi.memory import carray, views
 from overview_dsp.kernels.control_events import push_control
 from overview_dsp.kernels.device import actuator, derive_actuator, output_stage
 from overview_dsp.kernels.device.callback import SIGNATURE, callback
+from overview_dsp.kernels.plain_memory import carray, views
 from overview_dsp.kernels.simd import block as side_by_side
 from overview_dsp.kernels.simd.memory import MEMORY
 from overview_dsp.kernels.simd.vector import SIMD_WIDTH

@@ -1,1 +1,0 @@
-"""C interface of the kernels, on plain pointers instead of numba's arrays."""
