@@ -16,14 +16,10 @@ MAX_SHOWN_FAILURES = 10
 def command(
     jobs: str,
     *,
-    output: str | None = option("Folder or URL (s3://...), which replaces `out` of JOBS."),
-    workers: int | None = option(
-        "Processes on this machine.  [default: one per core]", type=click.IntRange(1, 1000)
-    ),
-    scheduler: str | None = option(
-        "Dask scheduler whose cluster renders: tcp://host:8786.", metavar="ADDRESS"
-    ),
-    dry_run: bool = option("Only report the number of renders."),
+    output: str | None = option(),
+    workers: int | None = option(type=click.IntRange(1, 1000)),
+    scheduler: str | None = option(metavar="ADDRESS"),
+    dry_run: bool = option(),
     as_json: bool = JSON,
 ) -> None:
     """Render the grid of JOBS (a TOML file) to sound files and one manifest.parquet.

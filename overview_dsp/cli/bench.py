@@ -16,9 +16,7 @@ SPEED_ROUNDS = 7
 @cli_command("bench --rounds 5", name="bench")
 def command(
     *,
-    rounds: int = option(
-        "Repeats of each measurement.", type=click.IntRange(1, 1000), default=SPEED_ROUNDS
-    ),
+    rounds: int = option(type=click.IntRange(1, 1000), default=SPEED_ROUNDS),
     as_json: bool = JSON,
 ) -> None:
     """Measure the speed of the engine on one core: seconds of sound per second.

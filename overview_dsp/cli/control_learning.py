@@ -30,16 +30,10 @@ class Learning:
 
     heading: ClassVar[str] = GENERAL
 
-    output: str = option(
-        "Map file to extend; created if missing.", type=click.Path(dir_okay=False), required=True
-    )
-    low: float | None = option(
-        "Value at the lower end of the control: a position (0 to 1), or of the parameter."
-    )
-    high: float | None = option("Value at the upper end of the control.")
-    timeout: float = option(
-        "Give up after S seconds.", type=click.FloatRange(0.1, 3600.0), default=30.0, metavar="S"
-    )
+    output: str = option(type=click.Path(dir_okay=False), required=True)
+    low: float | None = option()
+    high: float | None = option()
+    timeout: float = option(type=click.FloatRange(0.1, 3600.0), default=30.0, metavar="S")
     as_json: bool = JSON
 
     def learn(

@@ -14,9 +14,7 @@ LISTEN = load_toml(__file__, "demo.toml")
 
 
 @cli_command("demo -o my-demo", name="demo")
-def command(
-    *, output: str = option("Folder for the files.", default="overview-demo"), as_json: bool = JSON
-) -> None:
+def command(*, output: str = option(default="overview-demo"), as_json: bool = JSON) -> None:
     """Render the bundled match (World Cup final 2018) in three ways, and draw the figures.
 
     The command writes a fast sweep, a slow sweep and a tap as WAV files, and the figures of the

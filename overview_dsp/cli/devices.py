@@ -18,25 +18,16 @@ if TYPE_CHECKING:
 
 _T = TypeVar("_T")
 
-BAUD = option(
-    "Bit rate of serial ports, bit/s.", type=click.IntRange(300, 4_000_000), default=115_200
-)
+BAUD = option(type=click.IntRange(300, 4_000_000), default=115_200)
 
 
 @cli_command("devices --json", name="devices")
 def command(
     *,
     as_json: bool = JSON,
-    listen: float = option(
-        "Listen to serial ports for S seconds; 0: don't listen.",
-        type=click.FloatRange(0.0, 60.0),
-        default=2.0,
-        metavar="S",
-    ),
+    listen: float = option(type=click.FloatRange(0.0, 60.0), default=2.0, metavar="S"),
     baud: int = BAUD,
-    serial: tuple[str, ...] = option(
-        "Additional serial port to list. May be repeated.", metavar="PORT"
-    ),
+    serial: tuple[str, ...] = option(metavar="PORT"),
     device: str | None = DEVICE,
     settings: tuple[str, ...] = SET,
 ) -> None:

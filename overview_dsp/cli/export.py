@@ -54,25 +54,16 @@ def command(
     preset: str | None = PRESET_OPTION,
     gesture: str = GESTURE,
     formats: tuple[str, ...] = option(
-        "Format. May be repeated. web: a folder with a page; c: one with C source.",
         "--to",
         required=True,
         type=click.Choice((*FORMAT_NAMES, SITE, SOURCE)),
     ),
-    output: str | None = option("File or folder; for several formats a name without suffix."),
-    points_per_second: float = option(
-        "Amplitude points per second.", default=50.0, type=click.FloatRange(1.0, 1000.0)
-    ),
+    output: str | None = option(),
+    points_per_second: float = option(default=50.0, type=click.FloatRange(1.0, 1000.0)),
     tail: str = TAIL,
     seed: int = SEED,
-    zoom_levels: int | None = option(
-        "Zoom levels of a page, each by a factor of 3; default: up to 3, while windows have 8 "
-        "values or events. A match has 0.4, 1.5, 5, 10, 23, 60 MB with 0 to 5.",
-        type=click.IntRange(0, 5),
-    ),
-    base_url: str | None = option(
-        "Final URL of a page (https://example.org/match/), for the picture of shared links."
-    ),
+    zoom_levels: int | None = option(type=click.IntRange(0, 5)),
+    base_url: str | None = option(),
     transcripts: tuple[str, ...] = TRANSCRIPT,
     actuator: str | None = ACTUATOR,
     as_json: bool = JSON,

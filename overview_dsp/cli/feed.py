@@ -22,7 +22,7 @@ def _speed(context: Any, parameter: Any, speed: float) -> float:
 def command(
     timeline: str,
     *,
-    speed: float = option("Speed; 1: real time, inf: at once.", default=1.0, callback=_speed),
+    speed: float = option(default=1.0, callback=_speed),
     reading: Reading,
 ) -> None:
     """Print TIMELINE as a live feed: one line of JSON per event, at its time.

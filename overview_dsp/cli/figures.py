@@ -11,8 +11,8 @@ from overview_dsp.cli.options.reading import PRESET_OPTION, Reading, open_timeli
 @cli_command("figures -o pictures", name="figures")
 def command(
     *,
-    output: str = option("Folder for the figures.", default="."),
-    timeline: str = option("Timeline, any supported file.", default="world-cup-final-2018"),
+    output: str = option(default="."),
+    timeline: str = option(default="world-cup-final-2018"),
     preset: str | None = PRESET_OPTION,
     as_json: bool = JSON,
     reading: Reading,

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 BLOCK = 256
 """Default block size, frames."""
 
-SEED = option("Seed of the texture noise.", default=0, type=int)
+SEED = option(default=0, type=int)
 
 
 @dataclass(frozen=True)
@@ -37,9 +37,7 @@ class Session:
 
     heading: ClassVar[str] = "Session"
 
-    record: str | None = option(
-        "Record the session; the take replays bit-identical.", metavar="TAKE.csv"
-    )
+    record: str | None = option(metavar="TAKE.csv")
     seed: int = SEED
 
 
@@ -50,9 +48,7 @@ def check_seconds(context: Any, parameter: Any, seconds: float | None) -> float 
     return seconds
 
 
-SECONDS = option(
-    "Stop after S seconds.", heading=Session.heading, metavar="S", callback=check_seconds
-)
+SECONDS = option(heading=Session.heading, metavar="S", callback=check_seconds)
 
 
 @contextmanager

@@ -35,21 +35,14 @@ def command(
     reading: Reading,
     window: Window,
     choice: PresetChoice,
-    compare: str | None = option(
-        "Second preset; keys 1 and 2 switch.", heading=PresetChoice.heading, metavar="PRESET"
-    ),
-    blind: bool = option(
-        "Compare the two presets blind (ABX): keys a, b and x; A and B answer.",
-        heading=PresetChoice.heading,
-        is_flag=True,
-    ),
+    compare: str | None = option(heading=PresetChoice.heading, metavar="PRESET"),
+    blind: bool = option(heading=PresetChoice.heading, is_flag=True),
     feed: Feed,
     controls: Controls,
     output: Output,
     session: Session,
     seconds: float | None = SECONDS,
     screen: str | None = option(
-        "full, lines (for screen readers) or json.  [default: full in a terminal, else json]",
         heading=Session.heading,
         type=click.Choice(["full", "lines", "json"]),
     ),

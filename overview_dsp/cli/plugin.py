@@ -32,18 +32,11 @@ def command() -> None:
 def build(
     timelines: tuple[str, ...] = argument(metavar="[TIMELINE]..."),
     *,
-    presets: tuple[str, ...] = option(
-        "Preset: name or .toml file; the host can switch between several.  "
-        "[default: those that fit the data; without TIMELINE, all bundled ones]",
-        "--preset",
-    ),
-    to: str = option("Format of the plugin.", required=True, type=click.Choice(_FORMATS)),
-    target: str | None = option(
-        "Platform of the plugin; needs ziglang (pip install ziglang).  [default: this machine]",
-        type=click.Choice(_TARGETS),
-    ),
-    output: str = option("Folder for the plugin.", default="."),
-    name: str | None = option("Name of the plugin.  [default: that of the first TIMELINE]"),
+    presets: tuple[str, ...] = option("--preset"),
+    to: str = option(required=True, type=click.Choice(_FORMATS)),
+    target: str | None = option(type=click.Choice(_TARGETS)),
+    output: str = option(default="."),
+    name: str | None = option(),
     seed: int = SEED,
     as_json: bool = JSON,
     reading: Reading,

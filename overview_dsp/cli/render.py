@@ -24,18 +24,9 @@ if TYPE_CHECKING:
 
 TERMINAL = "-"
 
-GESTURE = option(FORMS + "; + joins gestures.", default=DEFAULT, metavar="SPEC")
-TAIL = option(
-    "Time after the gesture: rest (until the disk rests), none, or seconds.",
-    default="rest",
-    metavar="S",
-)
-TRANSCRIPT = option(
-    "Transcript of the events: .txt, .json, .vtt, .audacity.txt, .csv (REAPER), or - to "
-    "print it. May be repeated.",
-    "--transcript",
-    metavar="FILE",
-)
+GESTURE = option(default=DEFAULT, metavar="SPEC", help=FORMS + "; + joins gestures.")
+TAIL = option(default="rest", metavar="S")
+TRANSCRIPT = option("--transcript", metavar="FILE")
 
 
 def require_transcripts(paths: Sequence[str]) -> None:
@@ -75,18 +66,16 @@ def command(
     timeline: str,
     *,
     gesture: str = GESTURE,
-    output: str = option("Sound file; the suffix selects the format.", default="out.wav"),
-    trace: str | None = option("Write disk motion and torque to a .npz or .csv file."),
-    sample_rate: float = option("Sample rate, 1000 to 768000 Hz.", default=48_000.0),
-    subtype: str | None = option("Sample format: PCM_16, PCM_24, FLOAT, ..."),
+    output: str = option(default="out.wav"),
+    trace: str | None = option(),
+    sample_rate: float = option(default=48_000.0),
+    subtype: str | None = option(),
     seed: int = SEED,
     tail: str = TAIL,
-    stems: bool = option("Also write click, tactor and disk signals as separate files."),
-    measure_loudness: bool = option("Report the loudness of the clicks (ITU-R BS.1770)."),
-    normalize: float | None = option(
-        "Normalize the clicks to this loudness, such as -23.", metavar="LUFS"
-    ),
-    cue_points: bool = option("Write the events to the WAV file as cue points."),
+    stems: bool = option(),
+    measure_loudness: bool = option(),
+    normalize: float | None = option(metavar="LUFS"),
+    cue_points: bool = option(),
     transcripts: tuple[str, ...] = TRANSCRIPT,
     actuator: str | None = ACTUATOR,
     as_json: bool = JSON,

@@ -26,13 +26,9 @@ def command() -> None:
 def setup(
     port: str,
     *,
-    output: str = option(
-        "Sensor profile to write.", type=click.Path(dir_okay=False), required=True
-    ),
+    output: str = option(type=click.Path(dir_okay=False), required=True),
     baud: int = BAUD,
-    timeout: float = option(
-        "Give up after S seconds.", type=click.FloatRange(0.1, 3600.0), default=60.0, metavar="S"
-    ),
+    timeout: float = option(type=click.FloatRange(0.1, 3600.0), default=60.0, metavar="S"),
     as_json: bool = JSON,
 ) -> None:
     """Write the profile of the sensor at PORT (axes, units, ends) from two twists.
@@ -66,10 +62,7 @@ def setup(
 def firmware(
     name: str | None,
     *,
-    output: str | None = option(
-        "Folder in which NAME is created.  [default: only describe it]",
-        type=click.Path(file_okay=False),
-    ),
+    output: str | None = option(type=click.Path(file_okay=False)),
     as_json: bool = JSON,
 ) -> None:
     """Copy the firmware NAME for a board; without NAME, list all firmware."""
@@ -92,9 +85,7 @@ def firmware(
 def profile(
     name: str | None,
     *,
-    output: str | None = option(
-        "File for the copy.  [default: print it]", type=click.Path(dir_okay=False)
-    ),
+    output: str | None = option(type=click.Path(dir_okay=False)),
     as_json: bool = JSON,
 ) -> None:
     """Copy the sensor profile NAME, to adapt it; without NAME, list all profiles.

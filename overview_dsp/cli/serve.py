@@ -38,21 +38,10 @@ def command(
     window: Window,
     choice: PresetChoice,
     feed: Feed,
-    audio: str = option(
-        "Sound output: here (the page), or host (this machine).",
-        heading=PAGE,
-        type=click.Choice(["here", "host"]),
-        default="here",
-    ),
-    media: str | None = option(
-        "Film or recording of TIMELINE; the timeline starts at its second S.",
-        heading=PAGE,
-        metavar="FILE[,offset=S]",
-    ),
-    publish: str | None = option(
-        "Update a static copy of a live timeline in DIR.", heading=PAGE, metavar="DIR"
-    ),
-    as_json: bool = option("Report the address as a line of JSON.", "--json", heading=PAGE),
+    audio: str = option(heading=PAGE, type=click.Choice(["here", "host"]), default="here"),
+    media: str | None = option(heading=PAGE, metavar="FILE[,offset=S]"),
+    publish: str | None = option(heading=PAGE, metavar="DIR"),
+    as_json: bool = option("--json", heading=PAGE),
     server: Server,
     output: Output,
     session: Session,

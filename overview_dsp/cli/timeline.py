@@ -32,10 +32,8 @@ def command() -> None:
 def show(
     file: str,
     *,
-    events: bool = option("List every event."),
-    plot: str | None = option(
-        "Plot of the intensity curve with its events (.png .svg .pdf).", metavar="OUT.png"
-    ),
+    events: bool = option(),
+    plot: str | None = option(metavar="OUT.png"),
     as_json: bool = JSON,
     reading: Reading,
 ) -> None:
@@ -74,11 +72,8 @@ def show(
 def convert(
     file: str,
     *,
-    output: str = option("Native file (.json), or event list (.csv).", default="timeline.json"),
-    group: str | None = option(
-        "One file for each text of a column (OUT-TEXT.json); several: 'country, sex'.",
-        metavar="COLUMN",
-    ),
+    output: str = option(default="timeline.json"),
+    group: str | None = option(metavar="COLUMN"),
     as_json: bool = JSON,
     reading: Reading,
 ) -> None:

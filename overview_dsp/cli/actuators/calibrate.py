@@ -30,14 +30,12 @@ def calibrate(
     name: str,
     *,
     device: str | None = DEVICE,
-    channel: str | None = option(
-        "Output channel, from 1, or several (3+4).  [default: the saved one]", metavar="N[+N]"
-    ),
-    frequency: float | None = option("Frequency, Hz.  [default: resonance of the actuator]"),
-    ramp: float = option("Rise of the tone, dB per second.", default=3.0),
-    repeats: int = option("Number of tones.", type=click.IntRange(1, 20), default=3),
-    threshold: float | None = option("Threshold to store, without a test.", metavar="DB"),
-    reset_threshold: bool = option("Remove the stored threshold."),
+    channel: str | None = option(metavar="N[+N]"),
+    frequency: float | None = option(),
+    ramp: float = option(default=3.0),
+    repeats: int = option(type=click.IntRange(1, 20), default=3),
+    threshold: float | None = option(metavar="DB"),
+    reset_threshold: bool = option(),
     as_json: bool = JSON,
 ) -> None:
     """Measure the weakest level at which you feel the actuator NAME, and save a gain for it.

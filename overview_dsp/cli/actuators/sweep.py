@@ -15,9 +15,9 @@ from overview_dsp.errors import InputError
 if TYPE_CHECKING:
     from overview_dsp.arrays import FloatArray
 
-LOW_FREQUENCY = option("Lowest frequency of the sweep, Hz.", default=20.0)
-HIGH_FREQUENCY = option("Highest frequency of the sweep, Hz.", default=1000.0)
-DURATION = option("Duration of the sweep, s.", default=20.0)
+LOW_FREQUENCY = option(default=20.0)
+HIGH_FREQUENCY = option(default=1000.0)
+DURATION = option(default=20.0)
 LONGEST_S = 900.0  # longest recording
 UNEVEN_DB = 0.1  # gain reduction by the protection that causes a note, dB
 
@@ -26,14 +26,14 @@ UNEVEN_DB = 0.1  # gain reduction by the protection that causes a note, dB
 def sweep(
     name: str,
     *,
-    output: str = option("Sound file; the suffix selects the format.", default="sweep.wav"),
+    output: str = option(default="sweep.wav"),
     low_frequency: float = LOW_FREQUENCY,
     high_frequency: float = HIGH_FREQUENCY,
     duration: float = DURATION,
-    level: float = option("Level, dB of the full tactor signal, -80 to 0.", default=-9.0),
-    apply_shaping: bool = option("Apply the shaping of the actuator, as for presets."),
-    sample_rate: float = option("Sample rate, Hz.", default=48_000.0),
-    subtype: str | None = option("Sample format: PCM_16, PCM_24, FLOAT, ..."),
+    level: float = option(default=-9.0),
+    apply_shaping: bool = option(),
+    sample_rate: float = option(default=48_000.0),
+    subtype: str | None = option(),
     as_json: bool = JSON,
 ) -> None:
     """Write a sine sweep within the rating of the actuator NAME, for `actuators measure`.
@@ -83,15 +83,12 @@ def measure(
     name: str,
     recording: str,
     *,
-    output: str | None = option("Profile to write (.toml).  [default: NAME-measured.toml]"),
+    output: str | None = option(),
     quantity: str = option(
-        "What the sensor measures; a microphone close to the actuator measures acceleration.",
         type=click.Choice(("acceleration", "velocity", "displacement")),
         default="acceleration",
     ),
-    input_channel: int = option(
-        "Channel of the recording, from 1.", type=click.IntRange(1), default=1
-    ),
+    input_channel: int = option(type=click.IntRange(1), default=1),
     low_frequency: float = LOW_FREQUENCY,
     high_frequency: float = HIGH_FREQUENCY,
     duration: float = DURATION,

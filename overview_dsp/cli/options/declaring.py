@@ -16,6 +16,7 @@ from typing import Any
 import click
 
 from overview_dsp.errors import InputError, did_you_mean
+from overview_dsp.files.toml import load_toml
 
 GENERAL = "Options"
 MAX_OPTIONS = 12  # most options that --help shows; a command with more names those used first
@@ -29,13 +30,18 @@ _BY_ANNOTATION: dict[str, dict[str, Any]] = {
 }
 
 
-def option(help: str, *names: str, heading: str = GENERAL, **settings: Any) -> Any:
+HELP: dict[str, dict[str, str]] = load_toml(__file__, "help.toml")
+"""Help by the long name of an option: of groups and commands, and shared by several."""
+
+
+def option(*names: str, heading: str = GENERAL, **settings: Any) -> Any:
     """Declare an option, as the default of a parameter or of a field in a group.
 
     The default of `names` is the name of the parameter (`output` is `-o`, too). The annotation sets
-    the type. `settings` are those of `click.Option`; the help shows a default among them.
+    the type. `settings` are those of `click.Option`, with the help of `HELP` by default; the help
+    shows a default among them.
     """
-    declared = {"help": help, "names": names, "heading": heading, **settings}
+    declared = {"names": names, "heading": heading, **settings}
     return field(default=settings.get("default"), metadata=declared)
 
 
@@ -45,17 +51,22 @@ def argument(**settings: Any) -> Any:
 
 
 _SHOWS_ALL = f"{__name__}.shows_all"
-JSON = option("Report as JSON.", "--json")
+JSON = option("--json")
 
 
 class GroupOption(click.Option):
     """Option with a heading in the help."""
 
-    def __init__(self, declared: Field[Any], name: str, annotation: str, heading: str) -> None:
+    def __init__(
+        self, declared: Field[Any], name: str, annotation: str, owner: str, heading: str
+    ) -> None:
         settings = {**_BY_ANNOTATION.get(annotation.removesuffix(" | None"), {})}
         settings |= {"show_default": "default" in declared.metadata, **declared.metadata}
         short = ["-o"] if name == "output" else []
         names = settings.pop("names") or (*short, f"--{name.replace('_', '-')}")
+        long = next(one for one in names if one.startswith("--")).partition("/")[0][2:]
+        if "help" not in settings:
+            settings["help"] = HELP.get(owner, {}).get(long) or HELP["shared"][long]
         self.heading = settings.pop("heading") if heading == GENERAL else heading
         settings.pop("heading", None)
         super().__init__([*names, name], **settings)
@@ -136,6 +147,7 @@ def cli_command(
     """
 
     def decorate(function: Callable[..., Any]) -> click.Command:
+        own_name = name or function.__name__.rstrip("_")
         parameters: list[click.Parameter] = []
         groups: dict[str, type] = {}
         for one in inspect.signature(function).parameters.values():
@@ -143,11 +155,17 @@ def cli_command(
             if isinstance(kind, type) and is_dataclass(kind):
                 groups[one.name] = kind
                 heading = kind.heading  # type: ignore[attr-defined]
-                parameters += [GroupOption(f, f.name, str(f.type), heading) for f in fields(kind)]
+                parameters += [
+                    GroupOption(f, f.name, str(f.type), kind.__name__, heading)
+                    for f in fields(kind)
+                ]
             elif not isinstance(one.default, Field):
                 parameters.append(_argument(one.name, one.annotation, {}))
             elif "names" in one.default.metadata:
-                parameters.append(GroupOption(one.default, one.name, one.annotation, GENERAL))
+                owner = own_name if group is None else f"{group.name} {own_name}"
+                parameters.append(
+                    GroupOption(one.default, one.name, one.annotation, owner, GENERAL)
+                )
             else:
                 parameters.append(_argument(one.name, one.annotation, one.default.metadata))
 
@@ -158,7 +176,7 @@ def cli_command(
             return function(**values)
 
         command = GroupedCommand(
-            name or function.__name__.rstrip("_"),
+            own_name,
             example,
             tuple(first.split()),
             callback=call,

@@ -51,25 +51,10 @@ class Feed:
 
     heading: ClassVar[str] = "Live data"
 
-    follow: str | None = option(
-        "Live source replacing TIMELINE: a file, - (standard input), ws://, http://[,every=S], "
-        "audio:DEVICE, pcm:RATE[:CH].",
-        metavar="SOURCE",
-    )
-    expected_duration: str | None = option(
-        "Expected length of the timeline: 95m, 1:35:00.", metavar="LENGTH"
-    )
-    layout: str | None = option(
-        "Positions span the expected length (whole) or the data so far (so-far).  "
-        "[default: that of the preset]  They change on release, or with --follow SOURCE,held=S "
-        "after S seconds.",
-        metavar="LAYOUT",
-    )
-    announce: str | None = option(
-        "Announce new events at least as strong as KIND; none: never.  "
-        "[default: own_goal; none in presets for use in company]",
-        metavar="KIND",
-    )
+    follow: str | None = option(metavar="SOURCE")
+    expected_duration: str | None = option(metavar="LENGTH")
+    layout: str | None = option(metavar="LAYOUT")
+    announce: str | None = option(metavar="KIND")
 
     @contextmanager
     def opened(self, timeline: str | None, reading: Reading) -> Iterator[FollowSettings | None]:

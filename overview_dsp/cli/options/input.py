@@ -47,23 +47,10 @@ class Controls:
 
     heading: ClassVar[str] = "Input"
 
-    input: tuple[str, ...] = option(
-        "Input: serial:PORT[,sensor=NAME][,baud=N][,force]; pad: (DualSense, Joy-Con); "
-        "http://PHONE:8080 (phyphox); post:PORT (Sensor Logger); ble:NAME; "
-        "osc:[HOST:]PORT[,map=NAME]; midi:NAME[,map=FILE], both [,smooth=MS]; - (lines of "
-        "theta2, touching); a gesture or take. May be repeated.",
-        metavar="SOURCE",
-    )
-    osc_out: str | None = option("Send cursor, torque and events as OSC.", metavar="[HOST:]PORT")
-    replay: str | None = option(
-        "Take or gesture as the input; loop repeats it.", metavar="TAKE.csv[,loop]"
-    )
-    remote: str | None = option(
-        "Serve a page as an input.  [default: 127.0.0.1:8765]",
-        metavar="[HOST:PORT]",
-        is_flag=False,
-        flag_value="",
-    )
+    input: tuple[str, ...] = option(metavar="SOURCE")
+    osc_out: str | None = option(metavar="[HOST:]PORT")
+    replay: str | None = option(metavar="TAKE.csv[,loop]")
+    remote: str | None = option(metavar="[HOST:PORT]", is_flag=False, flag_value="")
 
     def require_consistent(self, timeline: str | None, follow: str | None) -> None:
         """Check the options against each other; click.UsageError otherwise."""

@@ -19,14 +19,9 @@ NONE = "none"
 CALLBACK = "OVERVIEW_CALLBACK"
 CALLBACKS = ("native", "python")
 
-ACTUATOR = option("Actuator profile, whose limits are enforced; or none.", metavar="NAME")
-DEVICE = option("Output: name or number of overview devices; pad; none.", metavar="NAME")
-SET = option(
-    "Setting of click or tactor, saved for the device: click.gain=-6 (dB), tactor.channel=3+4 "
-    "(0: none), click.mute=yes, tactor.delay=20 (ms), click.ceiling=-1 (dBFS). May be repeated.",
-    "--set",
-    metavar="KEY=VALUE",
-)
+ACTUATOR = option(metavar="NAME")
+DEVICE = option(metavar="NAME")
+SET = option("--set", metavar="KEY=VALUE")
 
 
 def saved_output(device: str | None) -> tuple[OutputSettings, str, float, int | None]:
@@ -57,10 +52,8 @@ class Output:
     heading: ClassVar[str] = "Output"
 
     device: str | None = DEVICE
-    block_size: int | None = option(
-        "Frames per block; 0: any.  [default: 256; 128 with a motor]", metavar="FRAMES"
-    )
-    sample_rate: float | None = option("Sample rate.  [default: that of the device]", metavar="HZ")
+    block_size: int | None = option(metavar="FRAMES")
+    sample_rate: float | None = option(metavar="HZ")
     actuator: str | None = ACTUATOR
     settings: tuple[str, ...] = SET
 

@@ -33,23 +33,11 @@ class Reading:
 
     heading: ClassVar[str] = DATA
 
-    value_column: str | None = option(
-        "Column of values; COLUMN:share, :price or :plain sets their type.", metavar="COLUMN"
-    )
-    time_column: str | None = option(
-        "Column of times; COLUMN:dmy, :hhmm or :s sets their format.", metavar="COLUMN"
-    )
-    map: str | None = option(
-        "Intensity: level, change, activity, volatility, count, or a column.", metavar="WHAT"
-    )
-    select: str | None = option(
-        "One of several matches or series: number, words, or COLUMN=VALUE.", metavar="WHICH"
-    )
-    read: tuple[str, ...] = option(
-        "kind=COLUMN, label=COLUMN (event lists), rate=HZ (files without times), duration=S "
-        "(event lists), max-mb=MB, max-depth=LEVELS (limits). May be repeated.",
-        metavar="KEY=VALUE",
-    )
+    value_column: str | None = option(metavar="COLUMN")
+    time_column: str | None = option(metavar="COLUMN")
+    map: str | None = option(metavar="WHAT")
+    select: str | None = option(metavar="WHICH")
+    read: tuple[str, ...] = option(metavar="KEY=VALUE")
 
     def load_options(self) -> dict[str, Any]:
         """Return the arguments of `load_timeline`, without unset ones."""
@@ -69,12 +57,8 @@ class Window:
 
     heading: ClassVar[str] = DATA
 
-    window: tuple[str, str] | None = option(
-        "Window: seconds, m:ss, h:mm:ss, dates, goal:1-60, end-6w.", metavar="START END"
-    )
-    zoom_to: str | None = option(
-        "Window around an event: goal:1, goal:1:90.", metavar="KIND:NUMBER[:LENGTH]"
-    )
+    window: tuple[str, str] | None = option(metavar="START END")
+    zoom_to: str | None = option(metavar="KIND:NUMBER[:LENGTH]")
 
     def of(self, timeline: Timeline) -> tuple[float, float] | None:
         """Return the window (start_s, end_s); None for the whole timeline.
@@ -95,7 +79,7 @@ class Window:
         return None
 
 
-PRESET_OPTION = option("Preset: name or .toml file.  [default: the one that fits the data]")
+PRESET_OPTION = option()
 
 
 @dataclass(frozen=True)
@@ -105,7 +89,7 @@ class PresetChoice:
     heading: ClassVar[str] = PRESET
 
     preset: str | None = PRESET_OPTION
-    linear: bool = option("Positions proportional to time: no angle map.")
+    linear: bool = option()
 
     def load(self, name: str) -> Preset:
         """Load a preset, without its angle map if --linear is set."""

@@ -32,13 +32,11 @@ class Server:
 
     heading: ClassVar[str] = "Server"
 
-    host: str = option("Address to listen on; 0.0.0.0: the network, for a phone.", default=HOST)
-    port: int = option("TCP port; 0: any free port.", default=PORT, type=click.IntRange(0, 65535))
-    cert: str | None = option("TLS certificate.  [default: a self-signed one]", metavar="FILE.pem")
-    key: str | None = option("Private key, if --cert doesn't have it.", metavar="FILE.pem")
-    token_file: str | None = option(
-        "File for the token of the address: pages reconnect after a restart.", metavar="FILE"
-    )
+    host: str = option(default=HOST)
+    port: int = option(default=PORT, type=click.IntRange(0, 65535))
+    cert: str | None = option(metavar="FILE.pem")
+    key: str | None = option(metavar="FILE.pem")
+    token_file: str | None = option(metavar="FILE")
 
 
 def server_at(text: str) -> Server:

@@ -27,7 +27,7 @@ SCHEMA_FILE = "preset.schema.json"
 SCHEMA_LINE = f"#:schema ./{SCHEMA_FILE}"
 """First line of a preset, by which editors with Taplo complete and check it."""
 
-BASE = option("Preset to extend.", default="football")
+BASE = option(default="football")
 
 _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9 _.-]{0,99}")
 
@@ -37,7 +37,7 @@ def new(
     name: str,
     *,
     base: str = BASE,
-    output: str | None = option("Preset file.  [default: NAME.toml in your preset folder]"),
+    output: str | None = option(),
     as_json: bool = JSON,
 ) -> None:
     """Write a preset that extends another one, with every parameter to edit."""
@@ -93,8 +93,8 @@ def morph(
     first: str,
     second: str,
     *,
-    steps: int = option("Number of presets, including both ends.", default=5),
-    output: str = option("Folder for the presets.", default="."),
+    steps: int = option(default=5),
+    output: str = option(default="."),
     as_json: bool = JSON,
 ) -> None:
     """Write presets interpolated between FIRST and SECOND."""
@@ -110,9 +110,9 @@ def morph(
 def randomize(
     preset: str,
     *,
-    seed: int = option("Seed: the same seed gives the same preset.", default=0),
-    amount: float = option("Strength of the variation, 0 to 1.", default=0.3),
-    output: str | None = option("Preset file.  [default: ./PRESET-SEED.toml]"),
+    seed: int = option(default=0),
+    amount: float = option(default=0.3),
+    output: str | None = option(),
     as_json: bool = JSON,
 ) -> None:
     """Write a random variation of PRESET."""
@@ -133,17 +133,11 @@ def randomize(
 def import_(
     clip: str,
     *,
-    kind: str | None = option(
-        "Event kind of the clip.  [default: file name in a folder]", "--as", metavar="KIND"
-    ),
+    kind: str | None = option("--as", metavar="KIND"),
     base: str = BASE,
-    layer: str = option(
-        "Part of the clip: tactor (vibration, as friction), click, or both.",
-        type=click.Choice(["both", "tactor", "click"]),
-        default="both",
-    ),
-    check: bool = option("Only check the clip against its format."),
-    output: str | None = option("Preset file.  [default: ./PRESET-KIND.toml]"),
+    layer: str = option(type=click.Choice(["both", "tactor", "click"]), default="both"),
+    check: bool = option(),
+    output: str | None = option(),
     as_json: bool = JSON,
 ) -> None:
     """Add a haptic CLIP (AHAP, .haptic, HJIF, Android, .haps) to an event kind of a preset.

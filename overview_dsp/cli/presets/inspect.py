@@ -19,12 +19,8 @@ def command() -> None:
 @cli_command("presets list --for football --tag energy=1", group=command)
 def list_(
     *,
-    tags: tuple[str, ...] = option(
-        "Tag: a use ('in company') or a scale (energy=4, tempo<3, roughness>2). May be repeated.",
-        "--tag",
-        metavar="TAG",
-    ),
-    use: str | None = option("Kind of data: football, stocks, weather.", "--for", metavar="USE"),
+    tags: tuple[str, ...] = option("--tag", metavar="TAG"),
+    use: str | None = option("--for", metavar="USE"),
     as_json: bool = JSON,
 ) -> None:
     """List the bundled presets and yours, with their purpose."""

@@ -37,16 +37,9 @@ class Observer:
 
     heading: ClassVar[str] = "Observer"
 
-    modality: tuple[str, ...] = option(
-        "Senses of the observer. May be repeated.  [default: all three]",
-        type=click.Choice(["touch", "sound", "both"]),
-    )
-    movement: str | None = option(
-        "Strokes: steady (sweeps, a tap, the recoil), arm (early release), all of these, or "
-        "mixed (also changes of speed, pauses, returns).  [default: all]",
-        type=click.Choice(["all", "steady", "arm", "mixed"]),
-    )
-    seed: int | None = option("Seed of the observer.  [default: 0]", type=click.IntRange(min=0))
+    modality: tuple[str, ...] = option(type=click.Choice(["touch", "sound", "both"]))
+    movement: str | None = option(type=click.Choice(["all", "steady", "arm", "mixed"]))
+    seed: int | None = option(type=click.IntRange(min=0))
 
     def arguments(self) -> dict[str, Any]:
         """Return the arguments of `measure.observe`, without unset ones."""
@@ -64,15 +57,8 @@ class Through:
 
     heading: ClassVar[str] = "Through a player"
 
-    player: str | None = option(
-        "Render the vibration as the player of a haptic format plays it, after the original.",
-        type=click.Choice(["ahap", "haptic", "hjif", "android"]),
-    )
-    blind_trials: int | None = option(
-        "Play both on --device: is X the original (A) or the player's (B)? Number of answers.",
-        type=click.IntRange(1, 200),
-        metavar="TRIALS",
-    )
+    player: str | None = option(type=click.Choice(["ahap", "haptic", "hjif", "android"]))
+    blind_trials: int | None = option(type=click.IntRange(1, 200), metavar="TRIALS")
     device: str | None = DEVICE
 
 
@@ -80,7 +66,7 @@ class Through:
 def audition(
     preset: str,
     *,
-    output: str | None = option("Sound file.  [default: PRESET-audition.wav]"),
+    output: str | None = option(),
     seed: int = SEED,
     as_json: bool = JSON,
     through: Through,
@@ -140,11 +126,8 @@ def feel(
     preset: str,
     timelines: tuple[str, ...] = TIMELINES,
     *,
-    plot: str | None = option("Draw the report to a .png, .svg or .pdf file."),
-    observer: bool = option(
-        "Simulate an observer with human limits who must recognize the kinds.",
-        heading=Observer.heading,
-    ),
+    plot: str | None = option(),
+    observer: bool = option(heading=Observer.heading),
     observing: Observer,
     as_json: bool = JSON,
     reading: Reading,
@@ -225,10 +208,10 @@ def tune(
     preset: str,
     timelines: tuple[str, ...] = TIMELINES,
     *,
-    order: str | None = option("Order of kinds from the strongest, joined by >."),
-    separate: bool = option("Separate all kinds by one just-noticeable difference (JND)."),
-    seed: int = option("Seed of the search.", default=0),
-    output: str | None = option("Preset file.  [default: PRESET-tuned.toml]"),
+    order: str | None = option(),
+    separate: bool = option(),
+    seed: int = option(default=0),
+    output: str | None = option(),
     as_json: bool = JSON,
     reading: Reading,
     window: Window,

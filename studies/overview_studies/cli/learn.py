@@ -27,19 +27,19 @@ def command(
     preset: str,
     *,
     timeline: str | None = option(
-        "Timeline from which examples are taken.  [default: the bundled match, for football]",
         metavar="TIMELINE",
+        help="Timeline from which examples are taken.  [default: the bundled match, for football]",
     ),
-    again: bool = option("Repeat the whole lesson, not the questions alone."),
-    page: bool = option("Serve the lesson as a page, until Ctrl-C."),
+    again: bool = option(help="Repeat the whole lesson, not the questions alone."),
+    page: bool = option(help="Serve the lesson as a page, until Ctrl-C."),
     device: str | None = option(
-        "Output: name or number of overview devices; pad; none.", metavar="NAME"
+        metavar="NAME", help="Output: name or number of overview devices; pad; none."
     ),
     scores: str | None = option(
-        "File of the scores.  [default: in the data folder of the user]", metavar="FILE"
+        metavar="FILE", help="File of the scores.  [default: in the data folder of the user]"
     ),
     seconds: float | None = SECONDS,
-    as_json: bool = option("Report each step as one line of JSON.", "--json"),
+    as_json: bool = option("--json", help="Report each step as one line of JSON."),
     server: Server,
 ) -> None:
     """Learn what the events of PRESET feel like, in about three minutes.

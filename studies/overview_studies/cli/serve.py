@@ -28,18 +28,18 @@ def serve(
     folder: str,
     *,
     database: str = option(
-        "SQLite file for answers; resumed if it exists.",
         "--db",
         default="responses.sqlite",
         metavar="FILE",
+        help="SQLite file for answers; resumed if it exists.",
     ),
     reissue: int | None = option(
-        "Release an abandoned list for another participant, then exit.",
         type=click.IntRange(1, 999),
         metavar="LIST",
+        help="Release an abandoned list for another participant, then exit.",
     ),
     seconds: float | None = SECONDS,
-    as_json: bool = option("Report the address as one line of JSON.", "--json"),
+    as_json: bool = option("--json", help="Report the address as one line of JSON."),
     server: Server,
 ) -> None:
     """Serve the study in FOLDER (of `overview study build`) until Ctrl-C.
