@@ -5,6 +5,7 @@ The time axis of a picture: a calendar's dates, a match's minutes, or plain time
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Sequence
 from datetime import timedelta
 from importlib import import_module
@@ -141,6 +142,7 @@ def _label_dates(axes: Axes, timeline: Timeline, axis: TimeAxis) -> None:
 
 _STEPS = 600  # number of positions along a curve, about one per pixel
 _CROWDED = 60  # number of events from which on a kind's markers are small
+_TEAM_ROW = 0.13  # height of the row of a team relative to the height of the curve
 _NAMED_GAP = 0.08  # width of a gap relative to the plot from which on its reason is written into it
 
 
@@ -270,16 +272,21 @@ def _label_values(axes: Axes, timeline: Timeline, curve: Intensity) -> None:
 
 
 def _draw_events(axes: Axes, timeline: Timeline, axis: TimeAxis) -> None:
-    """Plot the events of each kind on the curve, or without a curve in one row per kind."""
+    """Plot the events of each kind on the curve, or without a curve in one row per kind.
+
+    Above the curve, the events of each of two teams have a row.
+    """
     places = axis.event_x()
     bottom, _ = axes.get_ylim()
     styles = styles_of(timeline)
     rows = timeline.intensity is None
+    teams = {} if rows else _team_rows(axes, timeline)
     for row, (kind, style) in enumerate(styles.items()):
         events = [event for event in timeline.events if event.kind == kind]
         at = np.array([event.time_s for event in events])
         x = places[[event.kind == kind for event in timeline.events]]
         height = np.full(len(at), float(row)) if rows else _heights(timeline, at, bottom)
+        height = np.array([teams.get(one.side, h) for one, h in zip(events, height, strict=True)])
         goal = kind in ("goal", "own_goal")
         options: dict[str, Any] = {"label": f"{style[2]} ({len(at)})", "zorder": 4 if goal else 3}
         if has_face(style[0]) and len(at) >= _CROWDED:
@@ -296,6 +303,23 @@ def _draw_events(axes: Axes, timeline: Timeline, axis: TimeAxis) -> None:
     if rows and styles:
         axes.set_yticks(range(len(styles)), [words for _, _, words in styles.values()], fontsize=8)
         axes.set_ylim(-0.7, len(styles) - 0.3)
+
+
+def _team_rows(axes: Axes, timeline: Timeline) -> dict[int, float]:
+    """Make room for a row of each team above the curve; return the heights of both by side."""
+    if not any(event.side for event in timeline.events):
+        return {}
+    bottom, top = axes.get_ylim()
+    step = _TEAM_ROW * (top - bottom)
+    axes.set_yticks([tick for tick in axes.get_yticks() if bottom <= tick <= top])
+    axes.set_ylim(bottom, top + 2.3 * step)
+    rows = {1: top + 1.4 * step, 2: top + 0.4 * step}
+    for height, name in zip(rows.values(), timeline.sides or ("team 1", "team 2"), strict=True):
+        axes.axhline(height, color=GREY, linewidth=0.5, zorder=1)
+        axes.annotate(textwrap.fill(name, 14), (0.0, height), (-5, 0),
+                      axes.get_yaxis_transform(), "offset points", ha="right", va="center",
+                      fontsize=7)  # fmt: skip
+    return rows
 
 
 def _heights(timeline: Timeline, at: FloatArray, bottom: float) -> FloatArray:

@@ -105,6 +105,26 @@ def test_every_kind_of_the_timeline_is_drawn_with_a_shape_of_its_own():
     assert {text.get_text() for text in legend.get_texts()} == set(shapes)
 
 
+def test_the_events_of_two_teams_have_a_row_each_above_the_curve_and_others_lie_on_it(match):
+    (axes,) = plot_timeline(match).axes
+    offsets = np.concatenate([np.asarray(one.get_offsets()) for one in axes.collections])
+    heights = {
+        side: [level for x, level in offsets.tolist() if any(
+            event.side == side and abs(event.time_s / 60.0 - x) < 1e-6 for event in match.events
+        )]
+        for side in (0, 1, 2)
+    }  # fmt: skip
+    (first,), (second,) = ({*heights[1]}, {*heights[2]})
+    assert first > second > max(heights[0])
+    assert [text.get_text() for text in axes.texts][:2] == ["France", "Croatia"]
+    assert max(axes.get_yticks()) <= 1.18 < second < first < axes.get_ylim()[1]
+    plain = tuple(replace(event, side=0) for event in match.events)
+    (axes,) = plot_timeline(replace(match, sides=(), events=plain)).axes
+    assert axes.get_ylim()[1] == 1.18
+    offsets = np.concatenate([np.asarray(one.get_offsets()) for one in axes.collections])
+    np.testing.assert_allclose(offsets[:, 1], match.intensity_at(60.0 * offsets[:, 0]), atol=1e-6)
+
+
 def test_a_kind_has_one_symbol_in_all_pictures():
     kinds = ("goal", "comet", "meteor", "peak", "beat")
     together = styles_of(ov.Timeline("x", 9.0, tuple(ov.Event(1.0, kind) for kind in kinds)))
