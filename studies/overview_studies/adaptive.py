@@ -70,6 +70,7 @@ class Run:
         self.step = step
         self.trial = 0
         self._turn = 0
+        self._next: int | None = None
         last = len(step["levels"]) - 1
         self._tracks = [
             _Track(t["start"], t["down"], t["steps"], last, t["reversals"])
@@ -79,6 +80,7 @@ class Run:
         if quest is not None:
             self._p = np.array(quest["p"])
             self._q = np.array(quest["prior"])
+            self._logs = entropy_parts(self._p)
             # lists of version 0.2.0 have no thresholds
             old = np.linspace(-0.5, len(self._p) - 0.5, 2 * len(self._p) + 1)
             self._thresholds = np.array(
@@ -111,7 +113,9 @@ class Run:
         """Level index of the next trial."""
         if self._tracks:
             return self._track().at
-        return next_level(self._p, self._q)
+        if self._next is None:
+            self._next = next_level(self._p, self._q, self._logs)
+        return self._next
 
     def _track(self) -> _Track:
         count = len(self._tracks)
@@ -127,21 +131,31 @@ class Run:
                 track.record(correct)
             else:
                 self._q = update_posterior(self._p[self.level], self._q, correct)
+                self._next = None
         self.trial += 1
 
 
-def next_level(p: NDArray[np.float64], q: NDArray[np.float64]) -> int:
+def next_level(
+    p: NDArray[np.float64],
+    q: NDArray[np.float64],
+    logs: tuple[NDArray[np.float64], NDArray[np.float64]] | None = None,
+) -> int:
     """Return the first level with the least expected entropy.
 
-    `p` has the shape (levels, hypotheses) and `q` (hypotheses,).
+    `p` has the shape (levels, hypotheses) and `q` (hypotheses,); `logs` is `entropy_parts(p)`.
     """
-    right = p @ q
+    own = xlogy(q, q)
     expected = np.zeros(len(p))
-    for parts, probability in ((p * q, right), ((1.0 - p) * q, 1.0 - right)):
-        share = parts / np.maximum(probability, np.finfo(np.float64).tiny)[:, None]
-        expected -= probability * xlogy(share, share).sum(axis=1)
+    for share, part in zip((p, 1.0 - p), logs or entropy_parts(p), strict=True):
+        probability = np.maximum(share @ q, np.finfo(np.float64).tiny)
+        expected += xlogy(probability, probability) - part @ q - share @ own
     # rounding lets the order decide between equally informative levels
     return int(np.argmin(np.round(expected, 9)))
+
+
+def entropy_parts(p: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return what the entropy of both answers has from the probabilities alone."""
+    return xlogy(p, p), xlogy(1.0 - p, 1.0 - p)
 
 
 def update_posterior(

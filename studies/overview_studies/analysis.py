@@ -40,7 +40,7 @@ from overview_studies.statistics import (
     resample_counts,
     resampled_interval,
 )
-from overview_studies.steps import find_step
+from overview_studies.steps import answered_steps, find_among
 
 ALPHA = 0.05
 MOST_MISSING = 0.2
@@ -230,12 +230,13 @@ def _apply_exclusions(answers: Answers) -> tuple[Answers, dict[str, str]]:
     excluded: dict[str, str] = {}
     attention: dict[str, list[int]] = defaultdict(list)
     for session in answers.sessions:
+        steps = answered_steps(answers.lists[session.number])
         for trial, _, row in session.trials:
-            step = find_step(trial, answers.lists[session.number])
+            step = find_among(trial, steps)
             reason = step and impossible(answers.study, step, row)
             if reason:
                 excluded.setdefault(session.participant, f"impossible answer {trial}: {reason}")
-    for row in answers.rows():
+    for row in answers.rows() if rule["attention"] else ():
         if row["phase"] == "attention":
             attention[row["participant"]].append(row["correct"])
     for session in answers.sessions:

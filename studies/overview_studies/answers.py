@@ -14,7 +14,7 @@ from overview_dsp.errors import InputError
 from overview_studies.folder import read_study
 from overview_studies.row_checks import is_part, is_take
 from overview_studies.scoring import is_correct, response_error, search_path
-from overview_studies.steps import find_step, missing_steps
+from overview_studies.steps import answered_steps, find_among, find_step, missing_steps
 from overview_studies.store import SIMULATED, Session, Store
 
 OFFLINE = ("session", "participant", "list", "trial", "received_utc", "row")
@@ -94,9 +94,9 @@ class Answers:
     def rows(self) -> Iterator[dict[str, Any]]:
         """Yield one row per answered trial, in order; forms are not included."""
         for session in self.sessions:
-            content = self.lists[session.number]
+            steps = answered_steps(self.lists[session.number])
             for position, (trial, received, row) in enumerate(session.trials, 1):
-                step = find_step(trial, content)
+                step = find_among(trial, steps)
                 if step is not None and step["type"] != "form":
                     yield self._row(session, position, trial, received, row, step)
 
@@ -126,7 +126,8 @@ class Answers:
         right = is_correct(step["task"], step, answer)
         device = answer.get("device") or {}
         takes = answer.get("takes")
-        takes = [one for one in (answer.get("take"), *(takes if isinstance(takes, list) else ()))
+        own = answer.get("take")
+        takes = [one for one in (own, *(takes if isinstance(takes, list) else ()))
                  if is_take(one)]  # fmt: skip
         return {
             **self.mark,
@@ -153,7 +154,7 @@ class Answers:
             "response": answer.get("response"),
             "correct": None if right is None else int(right),
             "error": response_error(step["task"], step, answer, stimuli[0]),
-            **self._search(step, answer),
+            **self._search(step, answer, next((one for one in takes if one is own), None)),
             "rt_ms": answer.get("rt_ms"),
             "presentations": answer.get("presentations"),
             "source": answer.get("source"),
@@ -167,21 +168,24 @@ class Answers:
             "program": self.study["program"],
         }
 
-    def _search(self, step: dict[str, Any], answer: dict[str, Any]) -> dict[str, Any]:
+    def _search(
+        self, step: dict[str, Any], answer: dict[str, Any], take: dict[str, Any] | None
+    ) -> dict[str, Any]:
         """Return the columns of a search task; empty in other tasks."""
         places = step.get("correct")
         if step["task"] != "search" or not places:
             return {}
-        response, take = answer.get("response"), answer.get("take")
+        response = answer.get("response")
         place = min(places, key=lambda one: abs(one - response)) if is_part(response) else places[0]
-        return search_path(take if is_take(take) else None, place, FOUND_TOLERANCE)
+        return search_path(take, place, FOUND_TOLERANCE)
 
     def forms(self) -> Iterator[dict[str, Any]]:
         """Yield one row per answered item of a form."""
         for session in self.sessions:
             content = self.lists[session.number]
+            steps = answered_steps(content)
             for trial, received, answer in session.trials:
-                step = find_step(trial, content)
+                step = find_among(trial, steps)
                 if step is None or step["type"] != "form":
                     continue
                 response = answer.get("response")

@@ -106,7 +106,7 @@ def store_simulated(store: Store, answers: Answers) -> None:
 def _session(
     study: dict[str, Any], content: dict[str, Any], observers: Observers, rng: np.random.Generator
 ) -> list[tuple[str, dict[str, Any]]]:
-    own = observers.spread * float(rng.standard_normal())
+    own, scale = observers.spread * float(rng.standard_normal()), scale_of(study)
     found: list[tuple[str, dict[str, Any]]] = []
     for step in content["steps"]:
         if step["type"] == "form":
@@ -115,10 +115,10 @@ def _session(
             continue
         ability = observers.ability(own, {**content["factors"], **step["factors"]})
         if step["type"] == "adaptive":
-            found += _run(scale_of(study), step, ability, observers.lapse, rng)
+            found += _run(scale, step, ability, observers.lapse, rng)
             continue
         blind = rng.random() < observers.lapse
-        response = _response(study, step, MIN_D_PRIME if blind else ability, rng)
+        response = _response(study, scale, step, MIN_D_PRIME if blind else ability, rng)
         if step["attention"] is not None and not blind:
             response = step["attention"]
         take = {"take": _search_take(response, ability, rng)} if step["task"] == "search" else {}
@@ -138,7 +138,7 @@ def _row(response: Any, rng: np.random.Generator, **more: Any) -> dict[str, Any]
 
 
 def _response(
-    study: dict[str, Any], step: dict[str, Any], d: float, rng: np.random.Generator
+    study: dict[str, Any], scale: Scale, step: dict[str, Any], d: float, rng: np.random.Generator
 ) -> Any:
     task = step["task"]
     presented = [study["stimuli"][key] for key in step["stimuli"]]
@@ -158,7 +158,7 @@ def _response(
         perceived = step["correct"] * (1.0 + 0.3 * noise / d) if step["correct"] else noise > d
         return max(0, round(perceived))
     if task == "compare":
-        steps = scale_of(study).steps([one["level"] for one in presented])
+        steps = scale.steps([one["level"] for one in presented])
         difference = steps[1] - steps[0]
         return int(rng.random() < ndtr(difference * d / math.sqrt(2.0)))
     if task == "draw":

@@ -50,8 +50,8 @@ class Scale:
 
     def steps(self, levels: Sequence[Any]) -> NDArray[np.float64]:
         """Return positions in mean steps of the scale, 0 at the first of `levels`."""
-        known = np.array(sorted(self.position(level) for level in self.levels))
-        step = float(np.diff(known).mean()) if len(known) > 1 else 1.0
+        known = [self.position(level) for level in self.levels]
+        step = (max(known) - min(known)) / (len(known) - 1) if len(known) > 1 else 1.0
         found = np.array([self.position(level) for level in levels])
         steps: NDArray[np.float64] = np.round((found - found.min()) / step, 9)
         return steps

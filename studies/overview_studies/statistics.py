@@ -29,6 +29,9 @@ WIDTHS = (0.02, 5.0)
 """Narrowest and widest fitted function, in spans of the levels."""
 
 STARTS, REFINEMENTS = 3, 30
+REFINED, SMALLEST_GAIN = 5, 1e-9
+"""A fit ends after so many refinements that gain less than this much likelihood."""
+
 _LOW, _HIGH = (np.array([end, math.log(w)]) for end, w in zip((-1.5, 1.5), WIDTHS, strict=True))
 """Limits of threshold, in spans from the middle of the levels, and logarithm of width."""
 
@@ -70,17 +73,22 @@ def information_bits(counts: ArrayLike, corrected: bool = True) -> float:
     `corrected` removes the bias of small samples after Miller and Madow. The result is at least 0.
     """
     table = np.asarray(counts, dtype=np.float64)
-    total = table.sum()
-    if total == 0.0:
-        return math.nan
-    presented, answered = table.sum(axis=1), table.sum(axis=0)
+    return float(_information(table[None], corrected)[0]) if table.sum() else math.nan
 
-    def entropy(part: Floats) -> float:
-        nats = -float(xlogy(part / total, part / total).sum())
-        return nats + ((part > 0.0).sum() - 1) / (2.0 * total) if corrected else nats
 
-    bits = (entropy(presented) + entropy(answered) - entropy(table.ravel())) / math.log(2.0)
-    return max(0.0, bits)
+def _information(tables: Floats, corrected: bool = True) -> Floats:
+    """Return the information transfer of each of several tables."""
+    total = tables.sum(axis=(1, 2))
+
+    def entropy(part: Floats) -> Floats:
+        share = part / total[:, None]
+        nats: Floats = -xlogy(share, share).sum(axis=1)
+        return nats + ((part > 0.0).sum(axis=1) - 1) / (2.0 * total) if corrected else nats
+
+    both = entropy(tables.reshape(len(tables), -1))
+    bits = (entropy(tables.sum(axis=2)) + entropy(tables.sum(axis=1)) - both) / math.log(2.0)
+    found: Floats = np.maximum(bits, 0.0)
+    return found
 
 
 @lru_cache(maxsize=64)
@@ -138,7 +146,7 @@ def information_interval(counts: Floats, resamples: int = 1000) -> Estimate:
     if n < MIN_PARTICIPANTS:
         return Estimate(bits, math.nan, math.nan, n)
     pooled = np.tensordot(resample_counts(n)[:resamples], counts, 1)
-    low, high = np.percentile([information_bits(one) for one in pooled], _interval_percentiles(n))
+    low, high = np.percentile(_information(pooled), _interval_percentiles(n))
     return Estimate(bits, float(low), float(high), n)
 
 
@@ -232,6 +240,7 @@ def _profile(table: Table, guess: float | None, lapses: Floats) -> tuple[Floats,
     minima = np.where(costs <= near, costs, np.inf).reshape(len(lapses), -1)
     at = pairs[minima.argsort(axis=1)[:, :STARTS]]
     around = _AROUND * (thresholds[1] - thresholds[0], pairs[1, 1] - pairs[0, 1])
+    least, still = np.full(len(at), np.inf), 0
     for _ in range(REFINEMENTS):
         step = _scoring_step(at, low, rise, table)[:, :, None]
         both = [-_LENGTHS * step, np.broadcast_to(around, (*at.shape[:2], *around.shape))]
@@ -239,7 +248,11 @@ def _profile(table: Table, guess: float | None, lapses: Floats) -> tuple[Floats,
         costs = _cost(tried, low[..., None], rise[..., None], table)
         at = np.take_along_axis(tried, costs.argmin(axis=2)[..., None, None], 2)[:, :, 0]
         around = 0.75 * around
-    best = costs.min(axis=2)
+        best = costs.min(axis=2)
+        still = still + 1 if float(np.max(least - best.min(axis=1))) < SMALLEST_GAIN else 0
+        if still == REFINED:
+            break
+        least = best.min(axis=1)
     rows, start = np.arange(len(lapses)), best.argmin(axis=1)
     return best[rows, start], at[rows, start, 0], at[rows, start, 1]
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from typing import Any
 
 ANSWERED = ("trial", "form", "adaptive")
@@ -15,11 +15,18 @@ MAX_PRACTICE_ROUNDS = 3
 _MORE = re.compile(r"(.+)-(\d{1,3})")
 
 
+def answered_steps(content: dict[str, Any]) -> dict[str, dict[str, Any]]:
+    """Return the steps of a list that have answers, by id."""
+    return {step["id"]: step for step in content["steps"] if step["type"] in ANSWERED}
+
+
 def find_step(trial: str, content: dict[str, Any]) -> dict[str, Any] | None:
     """Return the step of a list for a trial's id; None if there is none."""
-    steps: dict[str, dict[str, Any]] = {
-        step["id"]: step for step in content["steps"] if step["type"] in ANSWERED
-    }
+    return find_among(trial, answered_steps(content))
+
+
+def find_among(trial: str, steps: Mapping[str, dict[str, Any]]) -> dict[str, Any] | None:
+    """Return the step of a trial's id among those of `answered_steps`; None if there is none."""
     if trial in steps and steps[trial]["type"] != "adaptive":
         return steps[trial]
     more = _MORE.fullmatch(trial)
