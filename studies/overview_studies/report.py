@@ -227,7 +227,8 @@ def _analysis(analysis: Analysis) -> str:
     by_task = {
         "compare": f"Psychometric functions are cumulative normals of the {level} with one lapse "
         f"rate of all participants in each condition, at most {MAX_LAPSE:.0%}, fitted by maximum "
-        "likelihood without priors; each resample has lapse rates of its own. A "
+        "likelihood without priors; each resample has lapse rates of its own. Widths are corrected "
+        "for the bias of small samples (Cox and Snell 1968). A "
         "point of equality outside of the compared levels is not reported.",
         "staircase": f"A threshold is the mean {level} of the last {LAST_REVERSALS} reversals of "
         f"both tracks. There is none with fewer than {LAST_REVERSALS} reversals, or with a third "

@@ -28,6 +28,9 @@ LAPSES = MAX_LAPSE * np.linspace(0.0, 1.0, 13) ** 2
 WIDTHS = (0.02, 5.0)
 """Narrowest and widest fitted function, in spans of the levels."""
 
+MAX_CORRECTION = 1.25
+"""Largest factor by which a width is corrected; answers that need more hardly determine it."""
+
 STARTS, REFINEMENTS = 3, 30
 REFINED, SMALLEST_GAIN = 5, 1e-9
 """A fit ends after so many refinements that gain less than this much likelihood."""
@@ -286,6 +289,31 @@ def _scoring_step(at: Floats, low: Floats, rise: Floats, table: Table) -> Floats
     return step
 
 
+def _width_correction(table: Table, threshold: Floats, width: Floats, lapses: Floats) -> Floats:
+    """Return factors that remove the bias of most likely widths, one for each lapse rate.
+
+    In small samples they are too small; the factor is that of the first order (Cox and Snell 1968).
+    """
+    x, _, n = table
+    z = (x - threshold[:, None]) / width[:, None]
+    rise = 1.0 - 2.0 * lapses[:, None]
+    p = np.clip(lapses[:, None] + rise * ndtr(z), 1e-9, 1.0 - 1e-9)
+    density = rise * np.exp(-0.5 * z * z) / math.sqrt(2.0 * math.pi) / width[:, None]
+    slopes = -density[..., None] * np.stack([np.ones_like(z), z], axis=-1)
+    mixed = 1.0 - z * z
+    curves = np.stack([np.stack([-z, mixed], -1), np.stack([mixed, z * (2.0 - z * z)], -1)], -1)
+    curves *= (density / width[:, None])[..., None, None]
+    weight = n / (p * (1.0 - p))
+    information = np.einsum("al,ali,alj->aij", weight, slopes, slopes)
+    # without a ridge, levels that are all right or all wrong have no inverse
+    ridge = 1e-9 + 1e-6 * np.trace(information, axis1=1, axis2=2)[:, None, None]
+    covariance = np.linalg.inv(information + ridge * np.eye(2))
+    bending = weight * np.einsum("aij,alij->al", covariance, curves)
+    bias = -0.5 * np.einsum("aij,al,alj->ai", covariance, bending, slopes)[:, 1]
+    factor: Floats = np.clip(1.0 - bias / width, 1.0, MAX_CORRECTION)
+    return factor
+
+
 @dataclass(frozen=True)
 class LapseProfiles:
     """Fits of the participants of a condition at each of `LAPSES`.
@@ -298,7 +326,8 @@ class LapseProfiles:
     ----------
     participants : list of str
     cost, threshold, width : numpy.ndarray
-        One row for each participant, one column for each lapse rate.
+        One row for each participant, one column for each lapse rate. Widths are corrected for the
+        bias of small samples.
     has_slope : numpy.ndarray
         False where the answers do not determine the width.
     """
@@ -332,7 +361,8 @@ def fit_lapse_profiles(
     for one in tables.values():
         table, span, middle = _scaled(*one)
         cost, threshold, log_width = _profile(table, None, LAPSES)
-        rows.append((cost, middle + span * threshold, span * np.exp(log_width), log_width))
+        width = np.exp(log_width) * _width_correction(table, threshold, np.exp(log_width), LAPSES)
+        rows.append((cost, middle + span * threshold, span * width, log_width))
     parts = (np.array(part).reshape(len(rows), len(LAPSES)) for part in zip(*rows, strict=True))
     cost, threshold, width, log_width = parts
     return LapseProfiles(list(tables), cost, threshold, width, _inside(log_width))

@@ -10,6 +10,7 @@ from overview_studies.observers import Observers
 from overview_studies.power import estimate_power
 from overview_studies.statistics import (
     difference_interval,
+    fit_lapse_profiles,
     fit_psychometric,
     information_bits,
     mean_interval,
@@ -140,3 +141,13 @@ def test_a_d_prime_of_one_and_a_half_is_recovered_within_its_interval(tmp_path, 
     (held,) = found["held"].values()
     print(f"d' = 1.5, 24 people: held in {held} of {runs} runs")
     assert held >= 0.93 * runs - (1 if runs < 100 else 0)
+
+
+def test_widths_of_small_samples_are_as_large_as_those_of_the_observers():
+    rng = np.random.default_rng(4)
+    levels, trials = np.linspace(-3.0, 3.0, 7), np.full(7, 20.0)
+    people = {str(i): (levels, rng.binomial(20, norm.cdf(levels / 1.2)).astype(float), trials)
+              for i in range(300)}  # fmt: skip
+    widths = fit_lapse_profiles(people).width[:, 0]  # they have no lapses
+    # 2.3 % too small without the correction
+    assert np.mean(widths) == pytest.approx(1.2, rel=0.015)
