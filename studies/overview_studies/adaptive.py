@@ -21,7 +21,7 @@ SLOPES = (0.5, 1.0, 2.0, 4.0, 8.0)
 FALSE_ALARMS = (0.0, 0.15)
 """Parts of "felt it" far below the threshold, of tasks with one interval."""
 
-BEYOND = 0.5
+BEYOND = 0.3
 """Largest threshold above the levels, in parts of their range.
 
 Thresholds above the levels are nearly flat functions. Without them, participants who feel no level

@@ -14,9 +14,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from overview_studies.adaptive import Run
 from overview_studies.answers import FOUND_TOLERANCE, Answers
-from overview_studies.scales import Scale, scale_of
+from overview_studies.scales import scale_of
 from overview_studies.scoring import likeness
 from overview_studies.statistics import (
     LapseProfiles,
@@ -25,15 +24,10 @@ from overview_studies.statistics import (
     sensitivity,
     sensitivity_2afc,
 )
+from overview_studies.thresholds import run_threshold
 
 Condition = tuple[tuple[str, Any], ...]
 Row = Mapping[str, Any]
-
-LAST_REVERSALS = 6
-"""Reversals whose mean is a threshold; with fewer there is none."""
-
-SHARE_AT_LIMIT = 1 / 3
-"""Share of these reversals at the lowest or highest level from which there is no threshold."""
 
 LEVELS, DISTANCES = {"pse", "threshold"}, {"jnd", "adjusted"}
 """Measures that are positions on the scale of the levels, and distances between positions."""
@@ -283,57 +277,16 @@ def _compare_measures(
 def _thresholds(
     answers: Answers, names: Sequence[str]
 ) -> Iterable[tuple[Condition, str, float | str]]:
-    """Yield the threshold of each adaptive run, from its last reversals or the QUEST+ posterior."""
-    scale = scale_of(answers.study)
+    """Yield the threshold of each adaptive run, or why there is none."""
+    scale, standard = scale_of(answers.study), answers.study["task"]["standard"]
     for session in answers.sessions:
         content = answers.lists[session.number]
         responses = {trial: row for trial, _, row in session.trials}
         for step in content["steps"]:
-            if step["type"] != "adaptive":
-                continue
-            level = run_threshold(scale, step, responses)
-            levels = {**content["factors"], **step["factors"]}
-            yield condition_of(levels, names), session.participant, level
-
-
-def run_threshold(scale: Scale, step: dict[str, Any], responses: Mapping[str, Row]) -> float | str:
-    """Return the threshold of one run as a position on the scale, or why there is none."""
-    run = Run(step)
-    reversals: list[int] = []
-    presented: list[int] = []
-    places = np.array([scale.position(level) for level in step["levels"]])
-    last = len(places) - 1
-    while not run.over:
-        row = responses.get(f"{step['id']}-{run.trial + 1:03d}")
-        if row is None:
-            break
-        wanted = step["sides"][run.trial] if step["method"] == "2afc" else int(not run.catch)
-        at, before = run.level, run.reversals
-        if not run.catch:
-            presented.append(at)
-        run.record(row.get("response") == wanted)
-        if run.reversals > before:
-            reversals.append(at)
-    if step["quest"] is not None:
-        # lists of version 0.2.0 count the levels
-        steps, at_mean = step["quest"].get("steps", list(range(last + 1))), run.posterior_mean
-        if run.trial < step["most"]:
-            return f"{run.trial} of {step['most']} trials"
-        if not steps[0] <= at_mean <= steps[-1]:
-            name = "below the lowest" if at_mean < steps[0] else "above the highest"
-            return f"the threshold is {name} level"
-        return float(np.interp(at_mean, steps, places))
-    used = reversals[-LAST_REVERSALS:]
-    for limit, name in ((0, "lowest"), (last, "highest")):
-        if len(used) < LAST_REVERSALS and 2 * presented.count(limit) > len(presented):
-            return f"{presented.count(limit)} of {len(presented)} trials are at the {name} level"
-    if len(used) < LAST_REVERSALS:
-        return f"{len(used)} reversals, at least {LAST_REVERSALS} are needed"
-    for limit, name in ((0, "lowest"), (last, "highest")):
-        count = used.count(limit)
-        if count >= SHARE_AT_LIMIT * LAST_REVERSALS:
-            return f"{count} of the last {LAST_REVERSALS} reversals are at the {name} level"
-    return float(places[used].mean())
+            if step["type"] == "adaptive":
+                levels = {**content["factors"], **step["factors"]}
+                value = run_threshold(scale, step, responses, standard)
+                yield condition_of(levels, names), session.participant, value
 
 
 def tlx_scores(answers: Answers, names: Sequence[str]) -> Iterable[tuple[Condition, str, float]]:

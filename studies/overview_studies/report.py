@@ -15,7 +15,7 @@ from overview_dsp.cli.extensions import plot_style as style
 from overview_studies.analysis import MOST_MISSING, Analysis, MeasureEstimate, condition_text
 from overview_studies.answers import MARK, Answers
 from overview_studies.figures import figures_of
-from overview_studies.measures import DISTANCES, LAST_REVERSALS, LEVELS, Missing
+from overview_studies.measures import DISTANCES, LEVELS, Missing
 from overview_studies.scales import scale_of
 from overview_studies.scripts import (
     MAIN_MEASURES,
@@ -28,6 +28,7 @@ from overview_studies.scripts import (
 )
 from overview_studies.statistics import MAX_LAPSE
 from overview_studies.tables import forms_csv, responses_csv
+from overview_studies.thresholds import LAPSE, MIN_REVERSALS
 
 RESULTS = "results.json"
 
@@ -224,17 +225,22 @@ def _analysis(analysis: Analysis) -> str:
         )
     kind = scale_of(analysis.answers.study).kind
     level = {"log": "logarithm of the level", "index": "index of the level"}.get(kind, "level")
+    no_threshold = (
+        "outside of the presented levels, or from answers that are like guesses (likelihood ratio, "
+        "p > 0.025)"
+    )
     by_task = {
         "compare": f"Psychometric functions are cumulative normals of the {level} with one lapse "
         f"rate of all participants in each condition, at most {MAX_LAPSE:.0%}, fitted by maximum "
         "likelihood without priors; each resample has lapse rates of its own. Widths are corrected "
         "for the bias of small samples (Cox and Snell 1968). A "
         "point of equality outside of the compared levels is not reported.",
-        "staircase": f"A threshold is the mean {level} of the last {LAST_REVERSALS} reversals of "
-        f"both tracks. There is none with fewer than {LAST_REVERSALS} reversals, or with a third "
-        "of them at the lowest or highest level.",
-        "quest": f"A threshold is the posterior mean of the {level}. There is none outside of the "
-        "presented levels, or in a run that was not finished.",
+        "staircase": f"A threshold is the {level} with the share of correct answers to which the "
+        f"staircase converges, by {_threshold_function(task)}, fitted by maximum likelihood to all "
+        f"trials with a lapse rate of {LAPSE:.0%}. There is none with fewer than {MIN_REVERSALS} "
+        f"reversals, or {no_threshold}.",
+        "quest": f"A threshold is the posterior mean of the {level}. There is none in a run that "
+        f"was not finished, or {no_threshold}.",
         "adjust": f"The adjusted quantity is the {level} less that of the standard.",
     }
     if task["name"] in by_task:
@@ -244,6 +250,13 @@ def _analysis(analysis: Analysis) -> str:
             "such level."
         )
     return " ".join(parts)
+
+
+def _threshold_function(task: dict[str, Any]) -> str:
+    """Return which function of the level the trials of a staircase have."""
+    if task["method"] == "yesno":
+        return "a cumulative normal with a rate of false alarms"
+    return "a d' that is proportional to the distance from the standard"
 
 
 def _results(analysis: Analysis) -> str:

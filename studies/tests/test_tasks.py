@@ -211,8 +211,9 @@ def test_the_methods_say_how_a_threshold_was_found(tmp_path):
     stairs = text_of_methods(tmp_path, varying("staircase", "standard = 2.0\ndown = 3"))
     for part in ("2 interleaved staircases", "3 correct answers in a row", "79.4% correct",
                  "steps of 2, 1 levels", "8 reversals each", "at most 60 trials a run",
-                 "mean logarithm of the level of the last 6 reversals",
-                 "two intervals"):  # fmt: skip
+                 "the logarithm of the level with the share of correct answers",
+                 "proportional to the distance from the standard", "a lapse rate of 1%",
+                 "fewer than 6 reversals", "two intervals"):  # fmt: skip
         assert part in stairs, part
     quest = text_of_methods(
         tmp_path, varying("quest", 'method = "yesno"\nmax_trials = 20') + "catch = 0.2\n"
@@ -341,7 +342,7 @@ def test_a_group_at_the_lowest_level_has_no_difference_from_another(tmp_path):
         "[2.0, 4.0, 8.0, 16.0, 32.0]", HALVES
     )
     text += '[factors]\nmapping = { between = ["friction", "static"] }\n'
-    weak = Observers(0.35, effects={("mapping", "static"): -0.23})
+    weak = Observers(0.95, effects={("mapping", "static"): -0.83})
     found = analysed(tmp_path, text, 80, weak)
     assert 10 < len(found.missing) < 40  # those who have a threshold with friction felt less
     assert math.isnan(found.line("threshold", mapping="friction").estimate.mean)
@@ -416,8 +417,8 @@ def test_lapses_in_one_condition_make_no_difference_of_jnds(tmp_path, lapses, ru
 
 def test_a_list_of_an_earlier_version_counts_the_levels(tmp_path):
     """QUEST+ tables were made of the indices of levels, whatever their distances."""
-    from overview_studies.measures import run_threshold
     from overview_studies.scales import scale_of
+    from overview_studies.thresholds import run_threshold
 
     text = varying("quest", "standard = 2.0\nmax_trials = 60").replace(
         "[2.0, 4.0, 8.0, 16.0, 32.0]", "[2.0, 3.0, 4.0, 20.0, 21.0]"
@@ -439,7 +440,7 @@ def test_a_list_of_an_earlier_version_counts_the_levels(tmp_path):
                 "response": side if right else 1 - side
             }
             run.record(right)
-        found[name] = run_threshold(scale_of(study), one, responses)
+        found[name] = run_threshold(scale_of(study), one, responses, 2.0)
         steps = scale_of(study).steps(one["levels"]) if name == "new" else np.arange(4.0)
         assert found[name] == pytest.approx(np.interp(run.posterior_mean, steps, one["levels"]))
     assert found["new"] != found["old"]
