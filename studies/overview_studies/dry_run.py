@@ -279,6 +279,16 @@ def _limit_flaws(design: Design, results: Mapping[str, Analysis]) -> Iterator[st
             if any(2 * reasons[one, limit] > count for one, count in counts.items()):
                 yield f"task.{'vary = ' if limit != 'reversals' else ''}{remedy}"
         return
+    if task.name == "adjust":
+        for condition in dict.fromkeys(one.condition for one in results["average"].missing):
+            at_limit = [one.reason for one in results["average"].missing
+                       if one.condition == condition]  # fmt: skip
+            if 2 * len(at_limit) > len(results["average"].answers.sessions):
+                yield (
+                    f"task.standard = {task.standard}: most average observers choose the "
+                    f"{_limit_of(at_limit[0])} level; add levels beyond it"
+                )
+                return
     if task.name not in ("identify", "compare", "count"):
         return
     choices = len(results["weak"].answers.study["task"].get("choices", ())) or 2

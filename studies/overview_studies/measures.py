@@ -29,6 +29,9 @@ from overview_studies.thresholds import run_threshold
 Condition = tuple[tuple[str, Any], ...]
 Row = Mapping[str, Any]
 
+SHARE_AT_LIMIT = 0.4
+"""Share of adjustments at the lowest or highest level above which there is no adjusted level."""
+
 LEVELS, DISTANCES = {"pse", "threshold"}, {"jnd", "adjusted"}
 """Measures that are positions on the scale of the levels, and distances between positions."""
 
@@ -199,8 +202,15 @@ def _task_measures(
     if task == "adjust":
         scale = scale_of(study)
         standard = scale.position(study["task"]["standard"])
-        known = [row["response"] for row in main if row["response"] in scale.levels]
-        return {"adjusted": _mean([scale.position(level) - standard for level in known])}
+        known = [scale.position(row["response"]) for row in main
+                 if row["response"] in scale.levels]  # fmt: skip
+        ends = sorted(map(scale.position, scale.levels))
+        for limit, name in ((ends[0], "lowest"), (ends[-1], "highest")):
+            # a match beyond this level would have the same answers
+            if known.count(limit) > SHARE_AT_LIMIT * len(known):
+                reason = f"{known.count(limit)} of {len(known)} answers are at the {name} level"
+                return {"adjusted": reason}
+        return {"adjusted": _mean([position - standard for position in known])}
     if study["task"]["method"] == "yesno" and catch:
         return {"accuracy": _accuracy(main), "false_alarms": 1.0 - _accuracy(catch)}
     return {"accuracy": _accuracy(main)}

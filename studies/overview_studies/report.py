@@ -15,7 +15,7 @@ from overview_dsp.cli.extensions import plot_style as style
 from overview_studies.analysis import MOST_MISSING, Analysis, MeasureEstimate, condition_text
 from overview_studies.answers import MARK, Answers
 from overview_studies.figures import figures_of
-from overview_studies.measures import DISTANCES, LEVELS, Missing
+from overview_studies.measures import DISTANCES, LEVELS, SHARE_AT_LIMIT, Missing
 from overview_studies.scales import scale_of
 from overview_studies.scripts import (
     MAIN_MEASURES,
@@ -241,7 +241,8 @@ def _analysis(analysis: Analysis) -> str:
         f"reversals, or {no_threshold}.",
         "quest": f"A threshold is the posterior mean of the {level}. There is none in a run that "
         f"was not finished, or {no_threshold}.",
-        "adjust": f"The adjusted quantity is the {level} less that of the standard.",
+        "adjust": f"The adjusted quantity is the {level} less that of the standard. There is none "
+        f"with more than {SHARE_AT_LIMIT:.0%} of the answers at the lowest or highest level.",
     }
     if task["name"] in by_task:
         parts.append(

@@ -125,6 +125,10 @@ FLAWS = {  # the study, what is replaced in it, the key and the remedy
     "floor of QUEST+": (QUEST, {GAINS: "[-18.0, -8.0, -3.0, 0.0, 3.0]"}, "task.vary", "nearer"),
     "ceiling of QUEST+": (QUEST, {GAINS: "[-18.0, -17.9, -17.8, -17.7, -17.6]"},
                           "task.vary", "further"),
+    "standard at the end": (
+        WEAK.replace("max_trials = 60\n", "").replace('"staircase"', '"adjust"').replace(
+            "[questionnaires]", "[phases]\nmain = { repeats = 8 }\n[questionnaires]"),
+        {GAINS: "[-18.0, -16.0, -14.0, -12.0, -10.0]"}, "task.standard", "beyond it"),
     "levels a hundredth of a JND apart": (
         QUEST.replace('"quest"', '"compare"').replace("max_trials = 60\n", ""),
         {GAINS: "[-18.0, -17.99, -17.98, -17.97, -17.96]"}, "task.vary", "differ more"),

@@ -152,6 +152,7 @@ YESNO = {
     "standard = -18.0": 'method = "yesno"',
     "[questionnaires]": "[phases]\ncatch = 0.2\n[questionnaires]",
 }
+AT_LIMIT = "adjust, standard at the lowest level"
 RATIOS = ", ".join(f"{2.0 * 2.0 ** (i / 2.0):.6g}" for i in range(13))
 GAINS = ", ".join(f"{-18.0 + 0.5 * i}" for i in range(13))
 LOG_ADAPTIVE = {
@@ -176,6 +177,7 @@ CASES = {  # example, what is replaced in it, d' (for levels, of a mean step) an
     "staircase": ("staircase", {}, 0.22, threshold),
     "staircase, log": ("staircase", LOG_ADAPTIVE, 0.22, threshold),
     "staircase, yesno": ("staircase", YESNO, 0.3, threshold),
+    AT_LIMIT: ("adjust", {"standard = -9.0": "standard = -15.0"}, 2.0, adjusted),
     "quest": ("quest", {}, 0.22, threshold),
     "quest, log": ("quest", LOG_ADAPTIVE, 0.22, threshold),
     "quest, yesno": ("quest", YESNO, 0.22, threshold),
@@ -226,7 +228,7 @@ def simulated(name, runs):
 
 
 @pytest.mark.parametrize("runs", RUNS)
-@pytest.mark.parametrize("name", CASES)
+@pytest.mark.parametrize("name", [name for name in CASES if name != AT_LIMIT])
 def test_intervals_contain_what_is_true_of_the_observers_and_means_have_no_bias(name, runs):
     held, errors, none, missing = simulated(name, runs)
     wrong = []
@@ -262,7 +264,8 @@ def flagged(name, observers, runs):
     reasons, count = Counter(), 0
     for seed in range(math.ceil(runs / PEOPLE)):
         found = compute_measures(simulate_answers(study, lists, observers, PEOPLE, seed))
-        count += PEOPLE
+        count += sum(len(by) for (one, _), by in found.values.items()
+                     if one in ("threshold", "adjusted"))  # fmt: skip
         reasons.update(re.sub(r"\d+", "N", one.reason) for one in found.missing)
     return sum(reasons.values()), count, reasons
 
@@ -284,3 +287,15 @@ def test_a_run_is_flagged_at_floor_and_ceiling_and_not_between(name, runs):
         if mistakes > at_most(MOST_WRONG, total):
             wrong.append(line)
     assert not wrong, "\n".join(wrong)
+
+
+@pytest.mark.parametrize("runs", RUNS)
+def test_adjustments_are_flagged_at_the_end_of_the_levels_and_not_between(runs):
+    wrong = []
+    for name, d in (("adjust", 0.5), ("adjust", 1.0), ("adjust", 2.0), (AT_LIMIT, 2.0)):
+        count, total, _ = flagged(name, Observers(d), runs)
+        mistakes = total - count if name == AT_LIMIT else count
+        print(f"{name}: d' of {d:g}: {mistakes} wrong of {total}")
+        if mistakes > at_most(MOST_WRONG, total):
+            wrong.append((name, d, mistakes, total))
+    assert not wrong

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 
 import numpy as np
 import pytest
@@ -136,6 +137,19 @@ def test_count_and_draw_and_adjust_are_measured(tmp_path):
     one = adjusted.line("adjusted").estimate
     assert one.low < 0.0 + 1.5
     assert abs(one.mean) < 3.0
+
+
+def test_adjustments_at_the_end_of_the_levels_are_named_and_not_averaged(tmp_path):
+    text = (EXAMPLES / "adjust" / "study.toml").read_text()
+    between, at_end = (
+        analysed(tmp_path, text.replace("standard = -9.0", f"standard = {one}"), 12, Observers(1.0))
+        for one in (-9.0, -15.0)
+    )
+    assert not between.missing
+    assert math.isfinite(between.line("adjusted", input="touch").estimate.mean)
+    assert math.isnan(at_end.line("adjusted", input="touch").estimate.mean)
+    assert all(re.fullmatch(r"\d of 8 answers are at the lowest level", one.reason)
+               for one in at_end.missing)  # fmt: skip
 
 
 def test_compare_has_each_pair_in_both_orders_and_finds_the_standard(tmp_path):
