@@ -5,7 +5,8 @@ from __future__ import annotations
 import hashlib
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -148,7 +149,7 @@ def load_design(path: str | Path) -> Design:
     path = Path(path)
     text = read_text(path)
     data = parse_toml(text, str(path))
-    with faults_at_their_line(text, str(path)):
+    with _faults_at_a_line(text, str(path)):
         file = _checked(data)
         synthetic = _synthetic_section(file)
         own = make_timelines(synthetic, file.seed) if synthetic is not None else {}
@@ -171,7 +172,7 @@ def load_design(path: str | Path) -> Design:
     name = file.name or "".join(c if c.isalnum() and c.isascii() else "-" for c in path.stem)
     digest = hashlib.sha256(text.replace("\r\n", "\n").encode()).hexdigest()
     design = Design(file, name, path, digest, grid, answers)
-    with faults_at_their_line(text, str(path)):
+    with _faults_at_a_line(text, str(path)):
         _check_kinds(design, synthetic)
         _check_factors(design)
         _check_task(design)
@@ -193,8 +194,30 @@ def _checked(data: dict[str, Any]) -> StudyFile:
             near = _RENAMED.get(name) or did_you_mean(path[-1], _keys_of(path[:-1]))
             raise InputError(f"{name}: unknown key{near}{more}") from None
         if fault["type"] == "missing":
-            raise InputError(f"{name} is missing{more}") from None
+            raise InputError(f"{name} is missing; {_addition(name)}{more}") from None
         raise InputError(f"{name} = {quoted(fault['input'])}: {_reason(fault)}{more}") from None
+
+
+def _addition(name: str) -> str:
+    """Return how to add a missing key."""
+    table, _, key = name.rpartition(".")
+    if table:
+        return f"add {key} = ... to [{table}]"
+    example = {"title": 'title = "..."', "participants": "participants = 12"}
+    return f"add {example.get(name, f'a table [{name}]')}"
+
+
+@contextmanager
+def _faults_at_a_line(text: str, source: str) -> Iterator[None]:
+    """Prefix an error with file and line: of its key, or 1 if the file has no such key or table."""
+    try:
+        with faults_at_their_line(text, source):
+            yield
+    except InputError as error:
+        has_line = re.match(r":\d+: ", str(error).removeprefix(source))
+        if has_line:
+            raise
+        raise InputError(f"{source}:1{str(error).removeprefix(source)}") from None
 
 
 def _reason(fault: Any) -> str:
@@ -341,13 +364,16 @@ def _check_task(design: Design) -> None:
 
 def _check_forms(design: Design) -> None:
     forms = design.file.questionnaires
-    for name in [*forms.start, *forms.each, *forms.end]:
+    named = {"start": forms.start, "each": forms.each, "end": forms.end}
+    for key, name in [(key, name) for key, names in named.items() for name in names]:
         if name == "consent" and forms.consent is None:
-            raise InputError("questionnaires.consent is missing: {version = ..., text = ...}")
+            raise InputError(
+                'questionnaires.consent is missing; add consent = {version = "1", text = "..."}'
+            )
         if name in ("tlx", "comments", "consent"):
             continue
         if not name.endswith(".html") or not (design.path.parent / name).is_file():
             raise InputError(
-                f"questionnaires: {name!r} is unknown; allowed: tlx, comments, consent, or an HTML "
-                "file in the folder of the study file"
+                f"questionnaires.{key}: {name!r} is unknown; allowed: tlx, comments, consent, or "
+                "an HTML file in the folder of the study file"
             )

@@ -56,8 +56,8 @@ consent = { version = "1", text = "I take part." }
         ('name = "identify"', 'name = "compare"', "task.vary", "set it to"),
         ('consent = { version = "1", text = "I take part." }', "", "questionnaires.consent",
          "version = "),
-        ('start = ["consent"]', 'start = ["consent", "about.html"]', "questionnaires",
-         "an HTML file in the folder"),
+        ('start = ["consent"]', 'start = ["consent"]\nend = ["about.html"]',
+         "20: questionnaires.end", "an HTML file in the folder"),
     ],
 )  # fmt: skip
 def test_a_mistake_is_named_with_its_line_and_remedy(tmp_path, line, mistake, key, remedy):
@@ -69,14 +69,21 @@ def test_a_mistake_is_named_with_its_line_and_remedy(tmp_path, line, mistake, ke
 
 
 def test_what_is_missing_is_named(tmp_path):
-    for section, key in (("title", "title"), ("[stimuli]", "stimuli"), ("[task]", "task")):
+    for section, key, remedy in (
+        ("title", "title", 'add title = "..."'),
+        ("[stimuli]", "stimuli", "add a table [stimuli]"),
+        ("[task]", "task", "add a table [task]"),
+    ):
         lines = STUDY.splitlines()
         start = next(i for i, line in enumerate(lines) if line.startswith(section))
         end = start + 1
         while section.startswith("[") and not lines[end].startswith("["):
             end += 1
         path = written(tmp_path, "\n".join([*lines[:start], *lines[end:]]))
-        refused(overview("study", "check", path), f"{key} is missing")
+        refused(overview("study", "check", path), f"study.toml:1: {key} is missing; {remedy}")
+    text = STUDY.replace('name = "identify"\n', "")
+    outcome = overview("study", "check", written(tmp_path, text))
+    refused(outcome, "study.toml:7: task.name is missing", "add name = ... to [task]")
 
 
 def test_a_file_of_another_kind_is_named(tmp_path):
