@@ -212,7 +212,8 @@ def _analysis(analysis: Analysis) -> str:
     parts = [
         "Estimates are means over participants, with one number each and 95 % bootstrap intervals "
         "(10,000 resamples of participants; percentiles widened for few participants, Hesterberg "
-        "2015). Differences between levels are within participants where the factor is.",
+        "2015). Differences between levels are within participants where the factor is; of a "
+        "factor between participants, each group is resampled apart.",
     ]
     task = analysis.answers.study["task"]
     if task["name"] in ("identify", "compare"):

@@ -142,13 +142,13 @@ def difference_interval(first: Sequence[float], second: Sequence[float]) -> Esti
     return resampled_interval(float(b.mean() - a.mean()), means, len(a) + len(b), n)
 
 
-def information_interval(counts: Floats, resamples: int = 1000) -> Estimate:
+def information_interval(counts: Floats) -> Estimate:
     """Return the information transfer of pooled counts (participants, rows, columns), in bits."""
     n = len(counts)
     bits = information_bits(counts.sum(axis=0))
     if n < MIN_PARTICIPANTS:
         return Estimate(bits, math.nan, math.nan, n)
-    pooled = np.tensordot(resample_counts(n)[:resamples], counts, 1)
+    pooled = np.tensordot(resample_counts(n), counts, 1)
     low, high = np.percentile(_information(pooled), _interval_percentiles(n))
     return Estimate(bits, float(low), float(high), n)
 

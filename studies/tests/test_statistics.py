@@ -9,11 +9,14 @@ from scipy.stats import norm
 from overview_studies.observers import Observers
 from overview_studies.power import estimate_power
 from overview_studies.statistics import (
+    RESAMPLES,
     difference_interval,
     fit_lapse_profiles,
     fit_psychometric,
     information_bits,
+    information_interval,
     mean_interval,
+    resample_counts,
     sensitivity,
     sensitivity_2afc,
 )
@@ -151,3 +154,17 @@ def test_widths_of_small_samples_are_as_large_as_those_of_the_observers():
     widths = fit_lapse_profiles(people).width[:, 0]  # they have no lapses
     # 2.3 % too small without the correction
     assert np.mean(widths) == pytest.approx(1.2, rel=0.015)
+
+
+def test_an_interval_of_information_is_that_of_all_resamples_of_the_participants():
+    rng = np.random.default_rng(6)
+    counts = rng.integers(0, 6, (8, 3, 3)) + 10.0 * np.eye(3)
+    found = information_interval(counts)
+    assert found.mean == pytest.approx(information_bits(counts.sum(axis=0)))
+    shares = resample_counts(8)
+    assert len(shares) == RESAMPLES == 10_000
+    bits = [information_bits(np.tensordot(one, counts, 1)) for one in shares]
+    below = np.mean(np.array(bits) < found.low), np.mean(np.array(bits) < found.high)
+    # wider than 2.5 and 97.5 %, as eight people are few
+    assert 0.0 < below[0] < 0.025
+    assert below[1] == pytest.approx(1.0 - below[0], abs=2e-3)
