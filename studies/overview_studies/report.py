@@ -28,7 +28,7 @@ from overview_studies.scripts import (
 )
 from overview_studies.statistics import MAX_LAPSE
 from overview_studies.tables import forms_csv, responses_csv
-from overview_studies.thresholds import LAPSE, MIN_REVERSALS
+from overview_studies.thresholds import EXPONENT_SPREAD, LAPSE, MIN_REVERSALS
 
 RESULTS = "results.json"
 
@@ -258,7 +258,10 @@ def _threshold_function(task: dict[str, Any]) -> str:
     """Return which function of the level the trials of a staircase have."""
     if task["method"] == "yesno":
         return "a cumulative normal with a rate of false alarms"
-    return "a d' that is proportional to the distance from the standard"
+    return (
+        "a d' that is a power of the distance from the standard (the logarithm of the exponent has "
+        f"a normal prior around 0, standard deviation {EXPONENT_SPREAD:g})"
+    )
 
 
 def _results(analysis: Analysis) -> str:

@@ -30,6 +30,14 @@ The upper 2.5 % of chi-squared with one and two degrees of freedom. Of 5 %, a tw
 guess would have a threshold, which leaves no room for more.
 """
 
+EXPONENTS = 2.0 ** np.arange(-1.5, 1.51, 0.25)
+EXPONENT_SPREAD = 0.4
+"""Tried exponents of d' over the distance from the standard; spread of their logarithms.
+
+Their prior is normal around 1. Without it, thresholds are too large, as the levels that a staircase
+chooses hardly determine an exponent. With an exponent of 1, those of other observers are wrong.
+"""
+
 WIDTHS = 2.0 ** np.arange(-1.0, 4.51, 0.5)
 """Tried widths of functions without a standard, in mean steps of the scale."""
 
@@ -116,15 +124,12 @@ def _steps(scale: Scale, levels: Sequence[Any], standard: Any) -> Floats:
 
 @lru_cache(maxsize=32)
 def _grid_2afc(steps: tuple[float, ...], share: float) -> tuple[Floats, Floats, Floats]:
-    """Return logarithms of both probabilities (thresholds, levels), and thresholds.
-
-    The d' is proportional to the distance from the standard. Levels that a staircase chooses do not
-    determine an exponent, and one that is fitted too makes the thresholds too large.
-    """
+    """Return logarithms of both probabilities (thresholds, exponents, levels), and thresholds."""
     x = np.array(steps)
-    axis = np.geomspace(0.25 * x[0], 4.0 * x[-1], 241)
+    axis = np.geomspace(0.25 * x[0], 4.0 * x[-1], 121)
     at_threshold = ndtri((share - 0.5 * LAPSE) / (1.0 - LAPSE))
-    p = 0.5 * LAPSE + (1.0 - LAPSE) * ndtr(at_threshold * x / axis[:, None])
+    z = at_threshold * (x / axis[:, None, None]) ** EXPONENTS[:, None]
+    p = np.clip(0.5 * LAPSE + (1.0 - LAPSE) * ndtr(z), 0.0, 1.0 - 1e-6)
     return np.log(p), np.log1p(-p), axis
 
 
@@ -133,8 +138,9 @@ def _fit_2afc(
 ) -> tuple[float, float]:
     right, wrong, axis = _grid_2afc(steps, share)
     likelihood = right @ counts[0] + wrong @ (counts[1] - counts[0])
+    likelihood -= 0.5 * (np.log(EXPONENTS) / EXPONENT_SPREAD) ** 2
     ratio = 2.0 * (float(likelihood.max()) - float(counts[1].sum()) * math.log(0.5))
-    return math.exp(_peak(likelihood, np.log(axis))), ratio
+    return math.exp(_peak(likelihood.max(axis=1), np.log(axis))), ratio
 
 
 @lru_cache(maxsize=32)

@@ -11,11 +11,14 @@ from scipy.special import ndtr
 
 from overview_studies.adaptive import Run, quest_table
 from overview_studies.analysis import analyse
-from overview_studies.observers import Observers, simulate_answers
+from overview_studies.observers import Observers, _run, simulate_answers
 from overview_studies.report import methods_text, summary
+from overview_studies.scales import scale_of
 from overview_studies.scoring import search_path
+from overview_studies.thresholds import run_threshold
 from studies.tests.files import IDENTIFY, lists_of, other, study_of, varying
 from studies.tests.test_examples import EXAMPLES
+from studies.tests.test_simulated_studies import drafted, steps_at_threshold
 
 
 def analysed(folder, text, people=12, observers=None):
@@ -185,6 +188,29 @@ def test_a_staircase_goes_to_where_seven_in_ten_are_right(tmp_path):
     assert run.reversals == 100
 
 
+def test_a_threshold_of_a_staircase_allows_for_a_d_prime_that_is_not_proportional():
+    """The observers' d' grows with the distance to the power of 1.5, not 1 as the prior expects."""
+    name, d = "staircase", 0.22
+    study, lists = drafted(name)
+    truth = steps_at_threshold(study, d)
+    steps = [one for each in lists.values() for one in each["steps"] if one["type"] == "adaptive"]
+
+    class Bent:
+        def steps(self, levels):
+            return truth * (np.arange(1.0, len(levels) + 1.0) / truth) ** 1.5 - 1.0
+
+    rng = np.random.default_rng(0)
+    found = []
+    for i in range(240):
+        step = steps[i % len(steps)]
+        rows = dict(_run(Bent(), step, d, 0.0, rng))
+        found.append(run_threshold(scale_of(study), step, rows, -18.0))
+    known = [2.0 * (one + 18.0) for one in found if not isinstance(one, str)]
+    assert len(known) >= 228
+    # 16 % too small if d' were proportional
+    assert np.mean(known) == pytest.approx(truth, rel=0.13)
+
+
 def test_two_tracks_take_turns_and_end_each_by_itself(tmp_path):
     step = adaptive_step(tmp_path, "staircase", "standard = 2.0\nmax_trials = 60\nreversals = 2")
     run, seen = Run(step), []
@@ -226,7 +252,7 @@ def test_the_methods_say_how_a_threshold_was_found(tmp_path):
     for part in ("2 interleaved staircases", "3 correct answers in a row", "79.4% correct",
                  "steps of 2, 1 levels", "8 reversals each", "at most 60 trials a run",
                  "the logarithm of the level with the share of correct answers",
-                 "proportional to the distance from the standard", "a lapse rate of 1%",
+                 "a power of the distance from the standard", "a lapse rate of 1%",
                  "fewer than 6 reversals", "two intervals"):  # fmt: skip
         assert part in stairs, part
     quest = text_of_methods(
@@ -431,9 +457,6 @@ def test_lapses_in_one_condition_make_no_difference_of_jnds(tmp_path, lapses, ru
 
 def test_a_list_of_an_earlier_version_counts_the_levels(tmp_path):
     """QUEST+ tables were made of the indices of levels, whatever their distances."""
-    from overview_studies.scales import scale_of
-    from overview_studies.thresholds import run_threshold
-
     text = varying("quest", "standard = 2.0\nmax_trials = 60").replace(
         "[2.0, 4.0, 8.0, 16.0, 32.0]", "[2.0, 3.0, 4.0, 20.0, 21.0]"
     )
