@@ -22,12 +22,8 @@ if TYPE_CHECKING:
 
 PARTS: dict[str, tuple[str, ...]] = {
     "serial": ("sensor", "baud", "force"),
-    "pad": ("sensor",),
-    "http": ("sensor",),
-    "post": ("sensor",),
-    "ble": ("sensor",),
-    "osc": ("map", "smooth"),
-    "midi": ("map", "smooth"),
+    **dict.fromkeys(("pad", "http", "post", "ble"), ("sensor",)),
+    **dict.fromkeys(("osc", "midi"), ("map", "smooth")),
 }
 """Allowed settings after the port, for each kind of device."""
 

@@ -446,12 +446,10 @@ class LiveTimeline:
 
     def _record_revision(self, changes: Iterable[tuple[Action, Event]] = ()) -> None:
         before, self._withdrawn = self._withdrawn, self._withdrawn_goals()
-        marks: list[tuple[Action, Event]] = [
-            ("added", event) for event in self._withdrawn if event not in before
-        ]
         self._revision += 1
-        changes = [*changes, *marks]
         self._changes.extend(Change(self._revision, action, event) for action, event in changes)
+        added = (event for event in self._withdrawn if event not in before)
+        self._changes.extend(Change(self._revision, "added", event) for event in added)
 
     def _withdrawn_goals(self) -> list[Event]:
         """Return the goals that do not count, without those that another event corrects."""

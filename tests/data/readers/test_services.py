@@ -195,7 +195,7 @@ def test_a_goal_that_the_video_referee_withdrew_is_a_kind_of_its_own(events, sco
     assert [one.label for one in match.events if one.kind == "goal"] == labels
     withdrawn = sum(one["type"] == "Goal" for one in events) - len(labels)
     assert match.kinds().get("withdrawn_goal", 0) == withdrawn
-    assert any("1 withdrawn goal: " in note for note in match.notes) == bool(withdrawn)
+    assert any("1 withdrawn goal not counted: " in note for note in match.notes) == bool(withdrawn)
 
 
 def test_one_of_several_matches_is_selected_by_words_or_id():

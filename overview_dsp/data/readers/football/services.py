@@ -240,13 +240,10 @@ def _without_repeats(match: _Match) -> tuple[list[_Row], list[str]]:
                 rows.remove(row)
                 repeated.append(row)
     notes = []
-    for found, one, end in (
-        (repeated, "repeated event", " left out"),
-        (withdrawn, "withdrawn goal", ""),
-    ):
+    for found, one in ((repeated, "repeated event"), (withdrawn, "withdrawn goal")):
         if found:
             words = ", ".join(f"{row.player} {row.minute}".strip() for row in found)
-            notes.append(f"{counted(len(found), one)}{end}: {words}")
+            notes.append(f"{counted(len(found), one)} not counted: {words}")
     return rows, notes
 
 

@@ -366,13 +366,11 @@ def field_ends(
         return None
     first, text = data[marks - length + 1], data.tobytes()
     # blanks before a field don't belong to it
-    others = {mark[0]: first[::width] for mark in comments} | (
-        {} if separator == "\t" else {" ": first}
-    )
-    is_other = (
-        other.encode() in text and (some == ord(other)).any() for other, some in others.items()
-    )
-    return None if any(is_other) or first[0] in b" #" else marks
+    others = {mark[0]: first[::width] for mark in comments}
+    if separator != "\t":
+        others[" "] = first
+    found = (one.encode() in text and (some == ord(one)).any() for one, some in others.items())
+    return None if any(found) or first[0] in b" #" else marks
 
 
 def cells_of(

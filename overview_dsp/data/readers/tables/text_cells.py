@@ -26,7 +26,6 @@ _HIGH = np.uint64(0x80 * _BYTES)
 _KEEP = np.array([(2**64 - 1) >> 8 * (8 - n) << 8 * (8 - n) for n in range(9)], np.uint64)
 """Masks of the last n of eight characters."""
 
-_FILL = _ZEROS & ~_KEEP
 _POWERS = 10 ** np.arange(17, dtype=np.uint64)
 _SCALES = 10.0 ** np.arange(23)
 
