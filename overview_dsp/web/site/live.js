@@ -134,7 +134,8 @@ export class Live {
       const isKnown = page.info.kinds[kind] !== undefined;
       const text = isKnown ? eventText(event, page.info) : `${kind.replaceAll("_", " ")} ${label}`;
       this.missed.change(action, event);
-      lines.push(action === "added" ? `new: ${text}` : `withdrawn: ${text}`);
+      const word = action === "added" ? "new: " : "withdrawn: ";
+      lines.push(kind === "withdrawn_goal" ? text : word + text);
       const { output, vibration } = page.settings;
       if (action === "added" && output === "motor" && vibration && page.input.active === null) {
         page.motor.play([pattern], 0, performance.now());
