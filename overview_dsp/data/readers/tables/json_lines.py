@@ -6,6 +6,7 @@ those that are asked for are converted; in other blocks each line is parsed by i
 
 from __future__ import annotations
 
+import itertools
 import json
 import re
 from collections.abc import Iterator, Sequence
@@ -44,13 +45,8 @@ class JsonLinesTable(Table):
     def __init__(self, source: DataFile) -> None:
         self._source = source
         self._lines = Lines(source, encoding_of(source) or "utf-8")
-        sample: list[dict[str, Any]] = []
-        for first, block in self._blocks():
-            lines = block.splitlines()[: 2 * _SAMPLE]
-            sample += [record for _, record in _records(first, lines)][: _SAMPLE - len(sample)]
-            if len(sample) >= _SAMPLE:
-                break
-        self._names = names_in(sample)
+        records = itertools.chain.from_iterable(itertools.starmap(_records, self._blocks()))
+        self._names = names_in(record for _, record in itertools.islice(records, _SAMPLE))
         if not self._names:
             raise CellLocation(1).fault("an object without values; give times and values")
         require_few_columns(len(self._names))
@@ -63,7 +59,7 @@ class JsonLinesTable(Table):
             cells = cells_of(block, names)
             if cells is not None:
                 yield Chunk(cells, first, None, self._lines.part)
-            elif records := list(_records(first, block.splitlines())):
+            elif records := list(_records(first, block)):
                 numbers = [number for number, _ in records]
                 found = tuple([record.get(name) for _, record in records] for name in names)
                 chunk = Chunk(found, numbers[0], numbers, self._lines.part)
@@ -91,8 +87,8 @@ def sniff(source: DataFile) -> bool:
         return False
 
 
-def _records(first: int, lines: Sequence[str]) -> Iterator[tuple[int, dict[str, Any]]]:
-    for number, line in enumerate(lines, first):
+def _records(first: int, block: str) -> Iterator[tuple[int, dict[str, Any]]]:
+    for number, line in enumerate(block.split("\n"), first):
         if not line.strip():
             continue
         try:
@@ -130,6 +126,8 @@ def cells_of(block: str, names: Sequence[str]) -> tuple[Cells, ...] | None:
     places = [i for i, letter in enumerate(head) if letter == '"']
     if len(dict(pairs)) < len(pairs) or len(marks) != len(places) * len(ends):
         return None
+    if np.count_nonzero(data[PAD:-PAD] < ord(" ")) > len(ends):
+        return None  # control characters are allowed between values only
     # one row per line: the quotes, the line's end
     at = np.column_stack((marks.reshape(-1, len(places)), ends))
     begins = np.concatenate(([PAD], ends[:-1] + 1))

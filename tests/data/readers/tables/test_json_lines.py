@@ -73,11 +73,12 @@ def test_columns_are_the_values_of_each_line(tmp_path, data):
     row = st.fixed_dictionaries({name: kinds[kind] for name, kind in shape.items()})
     rows = data.draw(st.lists(row, min_size=2, max_size=30))
     marks = data.draw(st.sampled_from([(", ", ": "), (",", ":"), (" , ", " :  ")]))
-    lines = [json.dumps(one, separators=marks) for one in rows]
+    escaped = data.draw(st.booleans())
+    lines = [json.dumps(one, separators=marks, ensure_ascii=escaped) for one in rows]
     if data.draw(st.booleans()):
         at = data.draw(st.integers(0, len(lines) - 1))
         cut = data.draw(st.integers(0, len(lines[at])))
-        other = data.draw(st.sampled_from(["", " ", "0", '"', "}", "-", ".", "null", "e5"]))
+        other = data.draw(st.sampled_from(["", " ", "0", '"', "}", "-", ".", "null", "e5", "\t"]))
         lines[at] = lines[at][:cut] + other + lines[at][cut + data.draw(st.integers(0, 1)) :]
     path = tmp_path / "a.jsonl"
     path.write_text("\n".join(lines) + data.draw(st.sampled_from(["", "\n", "\n\n"])))
@@ -123,5 +124,19 @@ def test_lines_with_other_keys_or_broken_texts_are_parsed_one_by_one(tmp_path):
     path = tmp_path / "a.jsonl"
     path.write_text('{"a": 1, "b": 2}\n' * 3 + '{"b": 3, "a": 4}\n{"a": 5, "c": 6}\n')
     assert values(path) == [[1, 1, 1, 4, 5], [2, 2, 2, 3, None]]
-    path.write_text('{"a": "1"}\n' * 3 + '{"a": 5""}\n')
-    assert "line 4: broken JSON" in values(path)
+    for broken in ('{"a": 5""}', '{"a": "\t"}'):
+        path.write_text('{"a": "1"}\n' * 3 + broken + "\n")
+        assert "line 4: broken JSON" in values(path)
+
+
+@pytest.mark.parametrize("mark", ["\u2028", "\u0085", "\x7f", "é"])
+def test_only_line_ends_separate_records(tmp_path, mark):
+    path = tmp_path / "a.jsonl"
+    path.write_text(f'{{"a": "x{mark}y"}}\n\n{{"a": "z"}}\n', encoding="utf-8")
+    assert values(path) == [[f"x{mark}y", "z"]]
+
+
+def test_blank_lines_before_the_first_record_are_skipped(tmp_path):
+    path = tmp_path / "a.jsonl"
+    path.write_text("\n" * 200 + '{"a": 1}\n{"a": 2}\n')
+    assert values(path) == [[1, 2]]
