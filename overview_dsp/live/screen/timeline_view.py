@@ -34,8 +34,8 @@ BLOCKS = " ▁▂▃▄▅▆▇█"
 MARKS = "▲◆●■✚★◇○"
 COLOURS = ("green", "yellow", "cyan", "magenta", "red", "blue", "white")
 TEAM_MARKS = {
-    "goal": "●○Gg", "own_goal": "⊗⊗Oo", "near_miss": "▲△Nn", "yellow_card": "■□Yy",
-    "red_card": "▰▱Rr", "foul": "××xx", "period": "││||",
+    "goal": "●○Gg", "own_goal": "⊗⊗Oo", "withdrawn_goal": "⊖⊖Ww", "near_miss": "▲△Nn",
+    "yellow_card": "■□Yy", "red_card": "▰▱Rr", "foul": "××xx", "period": "││||",
 }  # fmt: skip
 """Marks of both teams by kind, and their letters in ASCII."""
 
@@ -275,7 +275,8 @@ def mark_of(kind: str, number: int, side: int, teams: bool) -> tuple[str, str]:
     """Return mark and colour of an event, by its kind and team, or the number of its kind."""
     if not teams:
         return MARKS[number % len(MARKS)], COLOURS[number % len(COLOURS)]
-    found = TEAM_MARKS.get(kind, OTHER_MARKS[number % len(OTHER_MARKS)] * 4)
+    others = OTHER_MARKS[number % len(OTHER_MARKS)] * 2 + kind[0].upper() + kind[0]
+    found = TEAM_MARKS.get(kind, others)
     mark = found[(side == 2) + (0 if has_utf8(os.environ) else 2)]
     return mark, CARD_COLOURS.get(kind, TEAM_COLOURS[side])
 

@@ -12,7 +12,7 @@ import overview_dsp as ov
 from overview_dsp.live.output.settings import OutputSettings
 from overview_dsp.live.output.stream import NullStream
 from overview_dsp.live.screen.key_actions import help_text
-from overview_dsp.live.screen.timeline_view import TimelineView, column, title_text
+from overview_dsp.live.screen.timeline_view import TimelineView, column, mark_of, title_text
 from overview_dsp.live.session.player import Player
 from overview_dsp.live.session.presets import PresetWatch
 from tests.live.screen.test_app import drive, until
@@ -179,3 +179,11 @@ def test_the_help_names_the_lanes(match):
         assert "upper lane: France, lower lane: Croatia" in help_text(player)
     finally:
         player.close()
+
+
+@pytest.mark.parametrize("kind", ["goal", "withdrawn_goal", "shot", "mark", "default", "_9"])
+@pytest.mark.parametrize("side", [0, 1, 2])
+def test_without_utf8_the_mark_of_any_kind_is_ascii(kind, side, monkeypatch):
+    monkeypatch.setenv("LC_ALL", "C")
+    for number in range(10):
+        assert mark_of(kind, number, side, True)[0].isascii()
