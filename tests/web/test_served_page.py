@@ -101,16 +101,19 @@ def test_a_touching_page_that_is_closed_frees_the_disk(match, chromium):
 
 
 def test_a_finger_taps_on_a_phone(match, chromium):
+    expected = ov.render(match, FOOTBALL, ov.tap(0.8)).engine.meters.strikes  # there and back
     with served(match) as server, page_of(server, chromium, has_touch=True) as (tab, wrong):
         connected(tab)
         before = len(server.player.engine.pop_applied(0)[0])
+        first = server.player.engine.meters.strikes
         tab.touchscreen.tap(*at(tab, 0.8))
-        server.until(lambda meters: meters.engaged and not meters.touching)  # released at once
-        server.until(lambda meters: meters.engaged and abs(meters.cursor - 0.8) < 0.02)
+        # a passing state may be missed on a busy machine; what was passed is counted
+        server.until(lambda meters: meters.strikes - first == expected)
         server.until(lambda meters: not meters.engaged)
         applied = server.player.engine.pop_applied(0)[0][before:]
         assert applied["theta2"][0] == pytest.approx(0.8 * 3.14159265, abs=0.02)
-        assert list(applied["touching"]).count(0) == 1
+        assert list(applied["touching"]).count(0) == 1  # released at once
+        assert server.player.engine.meters.strikes - first == expected
         assert wrong == []
 
 
