@@ -174,6 +174,11 @@ def quoted(value: object) -> str:
         return f"a {type(value).__name__} too large to show"
 
 
+def printable(text: str) -> str:
+    """Return a text with spaces for unprintable characters, so that none controls a terminal."""
+    return "".join(mark if mark.isprintable() else " " for mark in text)
+
+
 def warn(message: str, level: int = 1) -> None:
     """Show an OverviewWarning; its location is `level` calls above the function that warns."""
     warnings.warn(message, OverviewWarning, stacklevel=level + 2)

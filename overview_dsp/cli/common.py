@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import click
 
 import overview_dsp as ov
-from overview_dsp.errors import InputError
+from overview_dsp.errors import InputError, printable
 from overview_dsp.files.atomic import protect_input, unprotect_inputs
 
 if TYPE_CHECKING:
@@ -34,7 +34,7 @@ def note(message: str) -> None:
 def say(line: str) -> None:
     """Print a line on standard error, unless its terminal was closed."""
     try:
-        click.echo(line, err=True)
+        click.echo("\n".join(map(printable, line.split("\n"))), err=True)
     except OSError:
         nowhere = os.open(os.devnull, os.O_WRONLY)
         os.dup2(nowhere, STANDARD_ERROR)  # else Python would fail at exit
@@ -126,7 +126,8 @@ def show(as_json: bool, report: Any, *lines: object) -> None:
     if as_json:
         print_json(report)
     else:
-        click.echo("\n".join(map(str, lines)), nl=bool(lines))
+        rows = "\n".join(map(str, lines)).split("\n")
+        click.echo("\n".join(map(printable, rows)), nl=bool(lines))
 
 
 def list_profiles(

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 import overview_dsp as ov
-from overview_dsp.cli.common import announce_compile, print_json, progress_bar, read_gesture
+from overview_dsp.cli.common import announce_compile, print_json, progress_bar, read_gesture, show
 from overview_dsp.cli.live_session import SEED
 from overview_dsp.cli.options.declaring import JSON, cli_command, option
 from overview_dsp.cli.options.output import ACTUATOR, drive_line, load_calibrated
@@ -51,7 +51,7 @@ def write_transcripts(
         if not as_json:
             click.echo(f"{path}: transcript of {len(passed)} events")
     if TERMINAL in paths and not as_json:
-        click.echo(as_text(passed), nl=False)
+        show(False, None, *as_text(passed).splitlines())
     if not paths:
         return {}
     return {"transcripts": files, "events": as_records(passed)}

@@ -214,11 +214,6 @@ def tune(
     )
 
 
-def gaps_of(preset: Preset, target: Sequence[str], timelines: Sequence[Timeline]) -> list[Gap]:
-    """Return the JNDs between the kinds of a target, in each stroke on each timeline."""
-    return _Search(preset, tuple(target), tuple(timelines), JUDGED).judged(preset).gaps
-
-
 def _split(
     timelines: tuple[Timeline, ...], target: Sequence[str], rng: np.random.Generator
 ) -> tuple[tuple[Timeline, ...], tuple[Timeline, ...]]:

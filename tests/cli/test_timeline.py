@@ -22,6 +22,18 @@ from tests.data.readers.football_files import (
 CUP = openfootball(fixture("France", "Australia"), fixture("France", "Croatia"))
 
 
+def test_texts_of_a_file_cannot_control_the_terminal(folder):
+    events = [ov.Event(0.4, "goal", "one\x1b[2Jtwo"), ov.Event(3.0, "foul", "a\x1b]0;b\x07c")]
+    match = ov.Timeline(duration_s=5.0, events=events, title="a\x1b]0;title\x07")
+    ov.save_timeline(match, "match.json")
+    shown = overview("timeline", "show", "match.json", "--events")
+    passed = overview("render", "match.json", "--transcript", "-", "--gesture", "sweep:0.5")
+    for outcome in (shown, passed):
+        assert outcome.code == 0
+        assert "one [2Jtwo" in outcome.out
+        assert outcome.out.replace("\n", "").isprintable()
+
+
 def test_show_reports_span_curve_events_gaps_and_where_they_are_from(folder, match):
     outcome = overview("timeline", "show", MATCH)
     assert outcome.code == 0, outcome.err

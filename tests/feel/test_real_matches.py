@@ -9,9 +9,10 @@ import pytest
 
 import overview_dsp as ov
 from overview_dsp.measure.report import feel_report
-from overview_dsp.measure.tuning import JUDGED, REST, gaps_of
+from overview_dsp.measure.tuning import JUDGED, REST
 from tests.cli.running import overview
 from tests.feel.whole_matches import RATE, real_files, real_matches
+from tests.measure.test_tuning import gaps_of
 
 ORDER = ("goal", "red_card", "yellow_card", "foul")
 CHARACTERS = ("football", "football-stadium", "football-discreet", "football-training")

@@ -14,6 +14,7 @@ import time
 
 import pytest
 
+import overview_dsp as ov
 from tests.cli.running import MATCH, end_of_group, environment
 
 if sys.platform == "linux":
@@ -121,6 +122,24 @@ def test_ninety_signals_while_sessions_start(surroundings):
     for name in ("SIGHUP", "SIGTERM", "SIGINT") * 30:
         wrong += end_while_starting(surroundings, name, dice.uniform(0.0, 4.0))
     assert wrong == []
+
+
+@pytest.mark.parametrize("screen", ["full", "lines"])
+def test_texts_of_a_file_cannot_control_the_terminal(surroundings, tmp_path, screen):
+    events = [ov.Event(float(at), "goal", f"one {at}\x1b[2Jtwo") for at in range(1, 5)]
+    match = ov.Timeline(duration_s=5.0, events=events, title="start\x1b]0;title\x07")
+    ov.save_timeline(match, tmp_path / "match.json")
+    arguments = ["play", tmp_path / "match.json", "--device", "none", "--screen", screen]
+    terminal = Terminal(arguments, surroundings)
+    terminal.wait_for(lambda: b"start ]0;title" in terminal.shown)
+    for _ in range(5):
+        terminal.press("]")  # to the next event
+        time.sleep(0.3)
+    terminal.wait_for(lambda: b"[2Jtwo" in terminal.shown)
+    assert b"\x1b[2Jtwo" not in terminal.shown
+    assert b"\x1b]0;title" not in terminal.shown
+    terminal.press("q")
+    assert terminal.end()[1] == 0
 
 
 def test_without_colours_without_utf8_and_in_a_dumb_terminal_a_session_plays(surroundings):

@@ -13,9 +13,14 @@ from overview_dsp.design.presets.text_update import save_updated
 from overview_dsp.measure import tuning
 from overview_dsp.measure.pictures import pages
 from overview_dsp.measure.report import feel_report
-from overview_dsp.measure.tuning import JUDGED, ORDERED_JNDS, REST, gaps_of, rearranged, tune
+from overview_dsp.measure.tuning import JUDGED, ORDERED_JNDS, REST, rearranged, tune
 from tests.cli.running import MATCH, overview
 from tests.measure.test_feel_report import SWEEPS, preset_of, timeline_of
+
+
+def gaps_of(preset, target, timelines):
+    """The JNDs between the kinds of a target, in each stroke on each timeline."""
+    return tuning._Search(preset, tuple(target), tuple(timelines), JUDGED).judged(preset).gaps
 
 
 @pytest.fixture(scope="module")

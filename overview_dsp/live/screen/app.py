@@ -22,6 +22,7 @@ from textual.events import Key
 from textual.screen import ModalScreen
 from textual.widgets import Footer, Static
 
+from overview_dsp.errors import printable
 from overview_dsp.live.inputs.input import Input
 from overview_dsp.live.screen.key_actions import KeyActions, help_text
 from overview_dsp.live.screen.position_report import PositionReport, event_text, finger_position
@@ -237,8 +238,8 @@ class PlayApp(App[None]):
             with_peaks = replace(status, peak_click=peaks[0], peak_tactor=peaks[1])
             self._meters.show(
                 with_peaks,
-                f"{place}  {words}".rstrip(),
-                "; ".join(filter(None, texts)),
+                printable(f"{place}  {words}".rstrip()),
+                printable("; ".join(filter(None, texts))),
             )
             peaks[:] = 0.0, 0.0
         if status.touching and self._shown[:1] == [(math.inf, HINT)]:
@@ -261,7 +262,7 @@ class PlayApp(App[None]):
         """Show new messages, and remove old ones."""
         now = time.monotonic()
         shown = [(since, line) for since, line in self._shown if now - since < MESSAGE_S]
-        shown += [(now, line) for line in messages]
+        shown += [(now, printable(line)) for text in messages for line in text.splitlines()]
         text = "\n".join(line for _, line in shown[-2:])
         if text != self._message_text:
             self._message_text = text

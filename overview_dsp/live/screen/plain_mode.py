@@ -15,6 +15,7 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 
+from overview_dsp.errors import printable
 from overview_dsp.live.inputs.input import Input
 from overview_dsp.live.screen.key_actions import HELP, KeyActions
 from overview_dsp.live.screen.position_report import PositionReport, finger_position
@@ -72,7 +73,7 @@ class LineSession:
     def say(self, text: str) -> None:
         """Print each line of a text, without control codes."""
         for line in text.splitlines():
-            self._say_line("".join(one if one.isprintable() else " " for one in line).strip())
+            self._say_line(printable(line).strip())
 
     def press(self, key: str) -> None:
         """Run the action of a key, or add it to the command that is being typed."""

@@ -24,6 +24,7 @@ from textual.strip import Strip
 from textual.widget import Widget
 
 from overview_dsp.data.timeline import Event, Timeline
+from overview_dsp.errors import printable
 from overview_dsp.live.screen.position_report import running_scores
 from overview_dsp.live.screen.terminal import has_utf8
 from overview_dsp.live.session.player import Player
@@ -299,13 +300,14 @@ def marks(player: Player) -> list[tuple[str, str, str]]:
 
 def title_text(timeline: Timeline) -> Text:
     """Return the title, in which the names of the teams are the key to their marks."""
+    title = printable(timeline.title)
     if not timeline.sides:
-        return Text(timeline.title)
-    (first, second), is_utf8 = timeline.sides, has_utf8(os.environ)
-    before, _, rest = timeline.title.partition(first)
+        return Text(title)
+    (first, second), is_utf8 = map(printable, timeline.sides), has_utf8(os.environ)
+    before, _, rest = title.partition(first)
     between, found, after = rest.partition(second)
     if not found:
-        before, between, after = "", " ", f" {timeline.title}"
+        before, between, after = "", " ", f" {title}"
     names = (f"● {first}", f"{second} ○") if is_utf8 else (first.upper(), second.lower())
     return Text.assemble(
         before, (names[0], TEAM_COLOURS[1]), between, (names[1], TEAM_COLOURS[2]), after

@@ -263,14 +263,26 @@ def places(value, path=()):
         yield from places(one, (*path, key))
 
 
-@given(st.sampled_from(DOCUMENTS), st.data())
-def test_any_value_in_any_place_is_read_or_refused(document, data):
-    path = data.draw(st.sampled_from([one for one in places(document) if one]))
+PLACES = [(one, path) for one in DOCUMENTS for path in places(one) if path]
+
+
+@pytest.mark.parametrize("text", ["a\x1b[2Jb", "a\x1fb", "\x85"])
+def test_control_characters_do_not_reach_a_terminal(text):
+    for document, path in PLACES:
+        check_value(document, path, text)
+
+
+@given(st.sampled_from(PLACES), VALUES)
+def test_any_value_in_any_place_is_read_or_refused(place, value):
+    check_value(*place, value)
+
+
+def check_value(document, path, value):
     changed = copy.deepcopy(document)
     inner = changed
     for key in path[:-1]:
         inner = inner[key]
-    inner[path[-1]] = data.draw(VALUES)
+    inner[path[-1]] = value
     try:
         match = load(changed)
     except ov.InputError as error:

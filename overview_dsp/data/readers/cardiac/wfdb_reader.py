@@ -32,7 +32,7 @@ from overview_dsp.data.readers.data_file import DataFile, LoadOptions, printable
 from overview_dsp.data.timeline.event import Event
 from overview_dsp.data.timeline.gaps import Gaps
 from overview_dsp.data.timeline.model import Timeline
-from overview_dsp.errors import InputError
+from overview_dsp.errors import InputError, printable
 from overview_dsp.installation import library_errors, require_package
 
 _ANNOTATION_SUFFIX = ".atr"
@@ -200,7 +200,7 @@ def read_annotations(path: Path, rate: float, duration_s: float | None) -> Annot
             beats.setdefault(time, BEATS[symbol])
         elif symbol in OTHERS:
             kind, meaning = OTHERS[symbol]
-            label = " ".join(part for part in (meaning, _printable(text)) if part)
+            label = " ".join(part for part in (meaning, printable(text)[:200].strip()) if part)
             others.setdefault((time, kind, label), Event(time, kind, label))
         else:
             skipped += 1
@@ -222,8 +222,3 @@ def read_annotations(path: Path, rate: float, duration_s: float | None) -> Annot
         tuple(list(others.values())[:MAX_OTHERS]),
         tuple(notes),
     )
-
-
-def _printable(text: str) -> str:
-    """Return at most 200 characters of a text, with spaces for unprintable characters."""
-    return "".join(mark if mark.isprintable() else " " for mark in text)[:200].strip()

@@ -30,7 +30,7 @@ from overview_dsp.data.readers.football.match_timeline import (
 from overview_dsp.data.readers.football.minutes import Clock, Minute, check_minute
 from overview_dsp.data.timeline.event import GOALS, WITHDRAWN_GOAL
 from overview_dsp.data.timeline.model import Timeline
-from overview_dsp.errors import InputError, quoted
+from overview_dsp.errors import InputError, printable, quoted
 from overview_dsp.public import counted
 
 _MEANINGS: dict[str, Sequence[str]] = ACTIONS["services"]["meanings"]
@@ -76,7 +76,7 @@ class _Part:
     def text(self, key: str) -> str:
         """Return a text; "" if it is missing."""
         value = self.raw.get(key)
-        return "" if value is None else str(value).strip()
+        return "" if value is None else printable(str(value)).strip()
 
     def number(self, key: str) -> int | None:
         """Return a whole number, also written as text."""
