@@ -270,10 +270,11 @@ def decoded(pattern: Ahap) -> tuple[FloatArray, list[Transient]]:
 def with_transients(level: FloatArray, strikes: Sequence[Transient], length_ms: int) -> FloatArray:
     """Return a continuous level with added transients."""
     starts = [round(strike.time_s * LEVELS_PER_S) for strike in strikes]
-    count = max([len(level), *(start + length_ms for start in starts)])
+    count = max([len(level), *(start + length_ms + 1 for start in starts)])
     energy = np.pad(level, (0, count - len(level))) ** 2
     for start, strike in zip(starts, strikes, strict=True):
-        energy[start : start + length_ms] += strike.amplitude**2
+        for first in (start, start + 1):  # a millisecond of a level is centred on its moment
+            energy[first : first + length_ms] += 0.5 * strike.amplitude**2
     return np.asarray(np.sqrt(energy))
 
 
@@ -293,11 +294,13 @@ def vibration_pattern(clip: Clip, budget: int) -> Ahap:
         start = first / LEVELS_PER_S
         points = [
             ControlPoint(
-                Time=round(int(place - first) / LEVELS_PER_S, 3),
+                # MPEG's reader rounds down to a millisecond, also binary sums just below one
+                Time=time if int((start + time) * LEVELS_PER_S) == place else round(time + 1e-6, 6),
                 ParameterValue=_intensity(float(level[place])),
             )
-            for place in places
+            for place in places.tolist()
             if first <= place <= end
+            for time in [(place - first) / LEVELS_PER_S]
         ]
         length = (end - first) / LEVELS_PER_S
         event = _event(CONTINUOUS, start, 1.0, sharpness_of(clip.frequency_hz), length)

@@ -163,7 +163,7 @@ def clip_of(result: RenderResult[Trace | None]) -> Clip:
             f"{MAX_CLIP_S:g} s; use a shorter gesture"
         )
     preset = result.engine.preset
-    level = np.minimum(_by_millisecond(result.trace.envelope, result.sample_rate), 1.0)
+    level = np.minimum(level_by_ms(result.trace.envelope, result.sample_rate), 1.0)
     if preset.values["tactor.mute"]:
         level[:] = 0.0
     felt = np.flatnonzero(level > FLOOR)
@@ -179,8 +179,8 @@ def clip_of(result: RenderResult[Trace | None]) -> Clip:
     )
 
 
-def _by_millisecond(envelope: FloatArray, sample_rate: float) -> FloatArray:
-    """Return the RMS of the envelope around each millisecond."""
+def level_by_ms(envelope: FloatArray, sample_rate: float) -> FloatArray:
+    """Return the RMS of an envelope, whose samples are held, around each millisecond."""
     energy = np.concatenate([[0.0], np.cumsum(envelope * envelope)])
     frames = np.arange(len(energy), dtype=np.float64)
     count = math.ceil(len(envelope) / sample_rate * LEVELS_PER_S) + 1

@@ -14,7 +14,9 @@ emphasis' frequency, has up to 3 dB more energy.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+import itertools
+import math
+from collections.abc import Iterator
 from typing import Annotated, Literal
 
 import numpy as np
@@ -25,10 +27,10 @@ from overview_dsp.errors import InputError
 from overview_dsp.files.toml import load_toml
 from overview_dsp.offline.export.ahap import sharpness_of
 from overview_dsp.offline.export.breakpoints import breakpoints
-from overview_dsp.offline.export.clip import LEVELS_PER_S, Clip, Transient
+from overview_dsp.offline.export.clip import LEVELS_PER_S, Clip, Transient, level_by_ms
 from overview_dsp.offline.export.document import MAX_ENTRIES, Count, Part, Seconds, Unit, descending
 
-STEP_MS = 10  # step of Meta's player on Android, ms
+STEP_MS, QUEST_HZ = 10, 2000  # step of Meta's player on Android; rate of its example
 DUCKING = 0.5
 DULL_MS, SHARP_MS = 36.4, 12.1
 
@@ -137,26 +139,45 @@ class Haptic(Part):
                 )
 
 
-def emphasis_ms(frequency: float) -> int:
+def emphasis_ms(frequency: float) -> float:
     """Return the duration of an emphasis of this frequency (0 to 1)."""
-    return int(DULL_MS + (SHARP_MS - DULL_MS) * frequency)
+    return DULL_MS + (SHARP_MS - DULL_MS) * frequency
 
 
-def with_emphasis(level: FloatArray, strikes: Iterable[Transient]) -> FloatArray:
-    """Return a continuous level with added emphases."""
-    emphasis = np.zeros(len(level))
-    for strike in strikes:
-        start = round(strike.time_s * LEVELS_PER_S)
-        emphasis[start:] = 0.0
-        emphasis[start : start + emphasis_ms(strike.sharpness)] = strike.amplitude
-    ducked = np.where(emphasis > 0.0, DUCKING, 1.0) * level
-    return np.asarray(np.minimum(ducked + emphasis, 1.0))
+def curve(document: Haptic, rate: float, catch_up: bool) -> FloatArray:
+    """Return the amplitude curve of Meta's renderer at a sample rate, Hz.
+
+    A point counts from the first sample at or after its time, a float32. A ramp reaches its target
+    one sample early. `catch_up`: a ramp that starts late is shorter.
+    """
+    points, number = document.points, np.dtype("f8" if catch_up else "f4")
+    times = np.array([point.time for point in points], np.float32).astype(number)
+    clock = np.arange(math.ceil(times[-1] * rate)).astype(number) * np.array(1.0 / rate, number)
+    places = np.searchsorted(clock, times)
+    level, emphasis = np.zeros((2, len(clock)))
+    now = points[0].amplitude
+    for k, (start, end) in enumerate(itertools.pairwise(places)):
+        length = (times[k + 1] - (start / rate if catch_up else times[k])) * rate - 1.0
+        part = np.arange(end - start + 1) / length if length > 0.0 else np.ones(end - start + 1)
+        ramp = now + (points[k + 1].amplitude - now) * np.minimum(part, 1.0)
+        level[start:end], now = ramp[:-1], ramp[-1]
+        if (struck := points[k].emphasis) is not None:
+            emphasis[start:] = 0.0
+            samples = int(emphasis_ms(struck.frequency) * rate / LEVELS_PER_S)
+            emphasis[start : start + samples] = struck.amplitude
+    return np.minimum(np.where(emphasis > 0.0, DUCKING, 1.0) * level + emphasis, 1.0)
 
 
-def on_android(played: FloatArray) -> FloatArray:
-    """Return a level in the steps of Meta's player on Android: 10 ms, amplitudes 1 to 255."""
-    steps = np.maximum(np.floor(255.0 * played[::STEP_MS]), 1.0) / 255.0
-    return np.repeat(steps, STEP_MS)[: len(played)]
+def on_quest(document: Haptic) -> FloatArray:
+    """Return the amplitude at each millisecond on the Quest."""
+    return level_by_ms(curve(document, QUEST_HZ, catch_up=True), QUEST_HZ)
+
+
+def on_android(document: Haptic) -> FloatArray:
+    """Return the amplitude in the steps of Meta's player on Android: 10 ms, 1 to 255."""
+    level = curve(document, LEVELS_PER_S / STEP_MS, catch_up=False)
+    steps = np.maximum(np.floor(255.0 * level), 1.0) / 255.0
+    return np.repeat(steps, STEP_MS)[: round(document.points[-1].time * LEVELS_PER_S)]
 
 
 def decoded(document: Haptic) -> tuple[FloatArray, list[Transient]]:
@@ -175,26 +196,23 @@ def decoded(document: Haptic) -> tuple[FloatArray, list[Transient]]:
 
 def document(clip: Clip, budget: int) -> Haptic:
     """Return the clip as a `.haptic` document."""
-    strikes = {round(strike.time_s * LEVELS_PER_S): strike for strike in clip.transients}
-    continuous, corners = clip.under_strikes(lambda strike: emphasis_ms(strike.sharpness))
-    amplitude: list[AmplitudePoint] = []
-    for place in breakpoints(continuous, budget + len(corners), corners).tolist():
-        strike = strikes.get(place)
-        emphasis = None
-        if strike is not None:
-            emphasis = Emphasis(
-                amplitude=round(strike.amplitude, 4), frequency=round(strike.sharpness, 4)
-            )
-        level = round(float(continuous[place]), 4)
-        amplitude.append(
-            AmplitudePoint(time=place / LEVELS_PER_S, amplitude=level, emphasis=emphasis)
+    strikes = {
+        round(one.time_s * LEVELS_PER_S): Emphasis(
+            amplitude=round(one.amplitude, 4), frequency=round(one.sharpness, 4)
         )
-    frequency = sharpness_of(clip.frequency_hz)
-    pitches = [FrequencyPoint(time=time, frequency=frequency) for time in (0.0, clip.duration_s)]
-    envelopes = Envelopes(amplitude=amplitude, frequency=pitches)
+        for one in clip.transients
+    }
+    continuous, corners = clip.under_strikes(lambda strike: int(emphasis_ms(strike.sharpness)))
+    places = breakpoints(continuous, budget + len(corners), corners)
+    levels = np.round(continuous[places], 4).tolist()
+    envelope = [
+        AmplitudePoint(time=place / LEVELS_PER_S, amplitude=level, emphasis=strikes.get(place))
+        for place, level in zip(places.tolist(), levels, strict=True)
+    ]
+    pitch = sharpness_of(clip.frequency_hz)
+    pitches = [{"time": time, "frequency": pitch} for time in (0.0, clip.duration_s)]
     parts = load_toml(__file__, "documents.toml")["haptic"]
-    return Haptic(
-        version=Version(**parts["version"]),
-        metadata=Metadata(project=clip.title, **parts["metadata"]),
-        signals=Signals(continuous=Continuous(envelopes=envelopes)),
-    )
+    envelopes = {"amplitude": envelope, "frequency": pitches}
+    signals = {"continuous": {"envelopes": envelopes}}
+    metadata = {"project": clip.title, **parts["metadata"]}
+    return Haptic.model_validate({**parts, "metadata": metadata, "signals": signals})

@@ -33,7 +33,7 @@ from overview_dsp.files.toml import load_toml
 from overview_dsp.kernels.layout import CELLS
 from overview_dsp.offline.export.ahap import sharpness_of
 from overview_dsp.offline.export.breakpoints import breakpoints
-from overview_dsp.offline.export.clip import LEVELS_PER_S, MAX_CLIP_S, Clip, Transient
+from overview_dsp.offline.export.clip import LEVELS_PER_S, MAX_CLIP_S, Clip, Transient, level_by_ms
 from overview_dsp.offline.export.document import Count, Part, Signed, descending
 
 STRIKE_MS = 12  # duration of a strike's wave: three cycles of a C-2
@@ -41,6 +41,7 @@ STRIKE_MS = 12  # duration of a strike's wave: three cycles of a C-2
 TICKS_PER_TURN = 18_000
 """Number of ticks of the friction curve: half a turn in units of 0.01 degrees."""
 
+FINE = 4  # moments per millisecond at which waves are added
 TRANSIENT_MS, TRANSIENT_HZ = 22, 1000.0 / 11.0
 MAX_STRIKE_MS = 30  # longest wave that is read as a strike, ms
 FRICTION_POINTS = 2000
@@ -259,12 +260,7 @@ def _friction(clip: Clip, highest: float) -> Band:
 
 
 Wave = tuple[int, FloatArray, float, float]
-"""Start (ms), amplitude at each millisecond, frequency (Hz) and phase of a wave."""
-
-
-def played(hjif: Hjif) -> FloatArray:
-    """Return the amplitude of the vibrotactile perceptions at each millisecond."""
-    return _summed(_waves(hjif))
+"""Start (ms), amplitude at each fine moment, frequency (Hz) and phase of a wave."""
 
 
 def decoded(hjif: Hjif) -> tuple[FloatArray, list[Transient], FloatArray]:
@@ -273,9 +269,9 @@ def decoded(hjif: Hjif) -> tuple[FloatArray, list[Transient], FloatArray]:
     strikes = [
         Transient(start / LEVELS_PER_S, min(float(level.max()), 1.0), sharpness_of(hz), "")
         for start, level, hz, _ in waves
-        if len(level) <= MAX_STRIKE_MS
+        if 0 < len(level) < MAX_STRIKE_MS * FINE
     ]
-    long = [wave for wave in waves if len(wave[1]) > MAX_STRIKE_MS]
+    long = [wave for wave in waves if len(wave[1]) >= MAX_STRIKE_MS * FINE]
     return _summed(long), sorted(strikes, key=lambda one: one.time_s), _summed(waves)
 
 
@@ -297,16 +293,16 @@ def _waves(hjif: Hjif) -> list[Wave]:
 
 
 def _summed(parts: list[Wave]) -> FloatArray:
-    count = max((start + len(amplitude) for start, amplitude, _, _ in parts), default=1)
+    count = max((start * FINE + len(amplitude) for start, amplitude, _, _ in parts), default=0)
     phasors: dict[float, NDArray[np.complex128]] = {}
     for start, amplitude, hz, phase in parts:
         summed = phasors.setdefault(hz, np.zeros(count, np.complex128))
         turn = phase - 2.0 * np.pi * hz * start / LEVELS_PER_S
-        summed[start : start + len(amplitude)] += amplitude * np.exp(1j * turn)
+        summed[start * FINE :][: len(amplitude)] += amplitude * np.exp(1j * turn)
     energy = np.zeros(count)
     for summed in phasors.values():
         energy += np.abs(summed) ** 2
-    return np.asarray(np.sqrt(energy))
+    return level_by_ms(np.sqrt(energy), FINE * LEVELS_PER_S)
 
 
 def _parts(band: str, effect: Effect, gain: float) -> list[Wave]:
@@ -315,9 +311,9 @@ def _parts(band: str, effect: Effect, gain: float) -> list[Wave]:
     levels = [gain * frame.amplitude_modulation for frame in effect.keyframes]
     if band == "Transient":
         return [
-            (effect.position + start, np.full(TRANSIENT_MS, level), TRANSIENT_HZ, 0.0)
+            (effect.position + start, np.full(TRANSIENT_MS * FINE, level), TRANSIENT_HZ, 0.0)
             for start, level in zip(at, levels, strict=True)
         ]
-    amplitude = np.interp(np.arange(at[-1] + 1), at, levels)
+    amplitude = np.interp((np.arange(at[-1] * FINE) + 0.5) / FINE, at, levels)
     hz = effect.keyframes[0].frequency_modulation or 0
     return [(effect.position, amplitude, hz, effect.phase)]

@@ -145,7 +145,7 @@ def _read(path: Path) -> DecodedClip:
             level, strikes = haps.decoded(clip)
             return _core_haptics(level, strikes)
         level, strikes = haptic.decoded(clip)
-        return DecodedClip(level, tuple(strikes), haptic.with_emphasis(level, strikes))
+        return DecodedClip(level, tuple(strikes), haptic.on_quest(clip))
 
 
 def _model_of(document: object) -> type[Part] | None:

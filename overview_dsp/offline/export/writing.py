@@ -87,15 +87,14 @@ def _ahap(clip: Clip, budget: int) -> tuple[dict[str, bytes], Played, int]:
 
 def _haptic(clip: Clip, budget: int) -> tuple[dict[str, bytes], Played, int]:
     made = haptic.document(clip, budget)
-    played = haptic.with_emphasis(*haptic.decoded(made))
-    players = {"Quest": played, "Android, steps of 10 ms": haptic.on_android(played)}
+    players = {"Quest": haptic.on_quest(made), "Android, steps of 10 ms": haptic.on_android(made)}
     return {".haptic": encoded(made)}, players, len(made.points)
 
 
 def _hjif(clip: Clip, budget: int) -> tuple[dict[str, bytes], Played, int]:
     made = hjif.document(clip, budget)
     points = len(made.perceptions[0].channels[0].bands[0].effects[0].keyframes)
-    return {".hjif": encoded(made)}, {"MPEG reference": hjif.played(made)}, points
+    return {".hjif": encoded(made)}, {"MPEG reference": hjif.decoded(made)[2]}, points
 
 
 def _android(clip: Clip, budget: int) -> tuple[dict[str, bytes], Played, int]:

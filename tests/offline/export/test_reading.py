@@ -14,8 +14,7 @@ from overview_dsp.design.presets.validation import parse_preset
 from overview_dsp.design.presets.writing import preset_toml
 from overview_dsp.errors import InputError
 from overview_dsp.offline.export import ahap
-from overview_dsp.offline.export.clip import Transient, clip_of, perceptual_error
-from overview_dsp.offline.export.haptic import with_emphasis
+from overview_dsp.offline.export.clip import clip_of, perceptual_error
 from overview_dsp.offline.export.reading import amplitude_profile, modes, read_clip, with_layer
 from overview_dsp.offline.export.writing import export
 
@@ -280,10 +279,10 @@ def test_a_single_transient_is_a_clip(tmp_path, football):
         ],
     }
     clip = read_clip(write(tmp_path, document))
-    assert clip.played == pytest.approx(0.64)
-    assert len(clip.played) == 12
+    assert clip.played[1:-1] == pytest.approx(0.64)
+    assert len(clip.played) == 13  # a half at both ends
     layered = with_layer(football, "goal", clip, "both").kinds["goal"]
-    assert set(layered.points) == {1.0}
+    assert set(layered.points[8:-8]) == {1.0}
     assert len(layered.modes) == 1
 
 
@@ -374,14 +373,6 @@ def levels_of(document):
     return level
 
 
-def test_an_emphasis_ends_where_the_next_one_begins():
-    struck = [Transient(0.010, 0.9, 0.0, "goal"), Transient(0.020, 0.4, 1.0, "foul")]
-    level = with_emphasis(np.zeros(100), struck)
-    assert (level[10:20] == 0.9).all()
-    assert (level[20:32] == 0.4).all()
-    assert not level[32:].any()
-
-
 @pytest.mark.parametrize("suffix", ["json", "xml"])
 def test_an_android_waveform_is_read_from_json_and_xml(match, football, tmp_path, suffix):
     result = ov.render(match, football, ov.sweep(1.0))
@@ -460,7 +451,7 @@ def test_an_hjif_of_short_and_long_waves_and_transients(tmp_path, match, footbal
     clip = read_clip(path)
     assert [(one.time_s, one.amplitude) for one in clip.transients] == [(0.1, 0.7)]
     assert not clip.level.any()
-    assert clip.played[[99, 100, 121]] == pytest.approx([0.0, 0.7, 0.7])
+    assert clip.played[[99, 101, 121]] == pytest.approx([0.0, 0.7, 0.7])
     band["effects"][0]["position"] = 10**9
     path.write_text(json.dumps(document))
     with pytest.raises(InputError, match=r"lasts 1e\+06 s; at most 600 s are allowed"):

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import json
+
 import numpy as np
 import pytest
 
 import overview_dsp as ov
 from overview_dsp.offline.export import haptic
 from overview_dsp.offline.export.clip import Transient, clip_of, perceptual_error
+from overview_dsp.offline.export.document import read
 from overview_dsp.offline.export.writing import export
 
 MATCHES = {
@@ -108,8 +111,23 @@ def test_errors_are_over_the_felt_time_and_name_the_event_with_the_largest():
 
 
 def test_metas_player_on_android_holds_amplitudes_for_10_ms_and_never_stops():
-    played = haptic.on_android(np.concatenate([np.linspace(0.0, 1.0, 25), [0.999]]))
+    points = [{"time": 0.0, "amplitude": 0.0}, {"time": 0.026, "amplitude": 1.0}]
+    signals = {"continuous": {"envelopes": {"amplitude": points, "frequency": []}}}
+    played = haptic.on_android(read(haptic.Haptic, {"signals": signals}))
     assert len(played) == 26
     assert played[:10] == pytest.approx(1.0 / 255.0)
-    assert played[10:20] == pytest.approx(np.floor(255.0 * 10.0 / 24.0) / 255.0)
-    assert len(set(played.tolist())) == 3
+    # a ramp of 2.6 steps reaches its end 1.6 steps later
+    assert played[10:20] == pytest.approx(np.floor(255.0 / 1.6) / 255.0)
+    assert played[20:] == pytest.approx(1.0)
+
+
+def test_a_reader_that_rounds_times_down_finds_each_ahap_point_at_its_millisecond(result, tmp_path):
+    (path, *_) = export(result, "ahap", tmp_path / "clip.ahap").files
+    curves = [entry.get("ParameterCurve") for entry in json.loads(path.read_text())["Pattern"]]
+    times = [
+        (one["Time"] + point["Time"]) * 1000.0
+        for one in curves
+        if one
+        for point in one["ParameterCurveControlPoints"]
+    ]
+    assert [int(time) for time in times] == [round(time) for time in times]
