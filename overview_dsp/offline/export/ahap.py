@@ -248,11 +248,8 @@ def decoded(pattern: Ahap) -> tuple[FloatArray, list[Transient]]:
         if curve.ParameterID == CONTROL
         for point in curve.ParameterCurveControlPoints
     ]
-    points += [
-        (entry.Parameter.Time, entry.Parameter.ParameterValue)
-        for entry in pattern.Pattern
-        if entry.Parameter is not None and entry.Parameter.ParameterID == CONTROL
-    ]
+    steps = [one.Parameter for one in pattern.Pattern if one.Parameter is not None]
+    points += [(one.Time, one.ParameterValue) for one in steps if one.ParameterID == CONTROL]
     if points:
         points.sort(key=lambda point: point[0])  # stable: equal times keep their order
         at, value = np.array(points).T

@@ -116,10 +116,8 @@ def envelopes(clip: Clip) -> list[EnvelopeEffect]:
             level, [at - first for at in strikes_ms if first <= at < end], MAX_POINTS, POINT_MS
         )
         points = [
-            ControlPoint(
-                amplitude=round(float(amplitude), 4), frequencyHz=hz, durationMs=int(length)
-            )
-            for amplitude, length in zip(amplitudes[1:], np.diff(places), strict=True)
+            ControlPoint(amplitude=round(float(high), 4), frequencyHz=hz, durationMs=int(ms))
+            for high, ms in zip(amplitudes[1:], np.diff(places), strict=True)
         ]
         effects.append(EnvelopeEffect(startMs=first, initialFrequencyHz=hz, controlPoints=points))
     return effects
@@ -138,10 +136,9 @@ def waveform_xml(wave: Waveform) -> bytes:
     """Return the waveform in the platform's XML (`VibrationXmlParser`)."""
     root = ElementTree.Element("vibration-effect")
     effect = ElementTree.SubElement(root, "waveform-effect")
-    for duration, amplitude in zip(wave.timings, wave.amplitudes, strict=True):
-        ElementTree.SubElement(
-            effect, "waveform-entry", durationMs=str(duration), amplitude=str(amplitude)
-        )
+    for ms, level in zip(wave.timings, wave.amplitudes, strict=True):
+        entry = {"durationMs": str(ms), "amplitude": str(level)}
+        ElementTree.SubElement(effect, "waveform-entry", entry)
     ElementTree.indent(root)
     text: bytes = ElementTree.tostring(root, encoding="utf-8", xml_declaration=True)
     return text + b"\n"

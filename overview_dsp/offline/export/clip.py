@@ -182,12 +182,10 @@ def clip_of(result: RenderResult[Trace | None]) -> Clip:
 def level_by_ms(envelope: FloatArray, sample_rate: float) -> FloatArray:
     """Return the RMS of an envelope, whose samples are held, around each millisecond."""
     energy = np.concatenate([[0.0], np.cumsum(envelope * envelope)])
-    frames = np.arange(len(energy), dtype=np.float64)
     count = math.ceil(len(envelope) / sample_rate * LEVELS_PER_S) + 1
-    edges = (np.arange(count + 1) - 0.5) / LEVELS_PER_S * sample_rate
-    edges = np.clip(edges, 0.0, len(envelope))
+    edges = np.clip((np.arange(count + 1) - 0.5) / LEVELS_PER_S * sample_rate, 0.0, len(envelope))
     width = np.maximum(np.diff(edges), 1e-9)
-    mean = np.diff(np.interp(edges, frames, energy)) / width
+    mean = np.diff(np.interp(edges, np.arange(len(energy)), energy)) / width
     return np.asarray(np.sqrt(np.maximum(mean, 0.0)))
 
 

@@ -107,13 +107,12 @@ def decoded(clip: Haps) -> tuple[FloatArray, list[Transient]]:
     strikes, curves = [], []
     for note, gain in notes:
         curve = note.m_hapticEffect.m_amplitudeModulation
-        start_s = note.m_startingPoint
         if curve is None or not curve.m_keyframes:
-            strikes.append(Transient(start_s, min(gain, 1.0), SHARPNESS, ""))
+            strikes.append(Transient(note.m_startingPoint, min(gain, 1.0), SHARPNESS, ""))
             continue
         points = sorted((one.m_time, one.m_value) for one in curve.m_keyframes)
         at_s, values = np.array(points).T
-        curves.append((start_s + at_s, gain * np.clip(values, 0.0, None)))
+        curves.append((note.m_startingPoint + at_s, gain * np.clip(values, 0.0, None)))
     ends = [*(at_s[-1] for at_s, _ in curves), *(one.time_s for one in strikes)]
     if not ends:
         raise InputError("m_vibration: has no notes")

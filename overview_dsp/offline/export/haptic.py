@@ -212,7 +212,6 @@ def document(clip: Clip, budget: int) -> Haptic:
     pitch = sharpness_of(clip.frequency_hz)
     pitches = [{"time": time, "frequency": pitch} for time in (0.0, clip.duration_s)]
     parts = load_toml(__file__, "documents.toml")["haptic"]
-    envelopes = {"amplitude": envelope, "frequency": pitches}
-    signals = {"continuous": {"envelopes": envelopes}}
+    signals = {"continuous": {"envelopes": {"amplitude": envelope, "frequency": pitches}}}
     metadata = {"project": clip.title, **parts["metadata"]}
     return Haptic.model_validate({**parts, "metadata": metadata, "signals": signals})

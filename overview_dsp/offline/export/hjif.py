@@ -246,11 +246,10 @@ def _wave(position: int, points: list[tuple[int, float]], hz: int | None = None)
 
 
 def _friction(clip: Clip, highest: float) -> Band:
-    table = clip.surface.resistance / highest
     ticks = np.arange(TICKS_PER_TURN + 1)
     # the highest cell around each tick, so that no event is lost
     edges = np.clip(np.rint((ticks - 0.5) / TICKS_PER_TURN * CELLS), 0, CELLS).astype(np.int64)
-    curve = np.maximum.reduceat(table, edges)
+    curve = np.maximum.reduceat(clip.surface.resistance / highest, edges)
     # levels may be very low, since a goal is several hundred times higher than the base surface
     places = breakpoints(curve / curve.min(), FRICTION_POINTS).tolist()
     if len(places) == 2:  # the reference reader plays curves of two points as silence
@@ -299,9 +298,7 @@ def _summed(parts: list[Wave]) -> FloatArray:
         summed = phasors.setdefault(hz, np.zeros(count, np.complex128))
         turn = phase - 2.0 * np.pi * hz * start / LEVELS_PER_S
         summed[start * FINE :][: len(amplitude)] += amplitude * np.exp(1j * turn)
-    energy = np.zeros(count)
-    for summed in phasors.values():
-        energy += np.abs(summed) ** 2
+    energy = sum((np.abs(one) ** 2 for one in phasors.values()), np.zeros(count))
     return level_by_ms(np.sqrt(energy), FINE * LEVELS_PER_S)
 
 

@@ -198,8 +198,7 @@ def clips_in(path: str | os.PathLike[str], kind: str | None) -> dict[str, Path]:
         raise InputError(
             f"{place}: {len(found)} clips for one kind; remove --as or select one clip"
         )
-    (only,) = found.values()
-    return {kind: only}
+    return {kind: next(iter(found.values()))}
 
 
 def load_document(path: str | os.PathLike[str]) -> Any:
@@ -298,9 +297,8 @@ _DULL_MS, _SHARP_MS = 60.0, 12.0
 def amplitude_profile(clip: DecodedClip, count: int = POINTS) -> tuple[float, ...]:
     """Return the clip's amplitude, with its strikes, at `count` positions; its highest is 1."""
     level = clip.played
-    edges = np.linspace(0, len(level), count + 1).astype(np.int64)
-    edges = np.minimum(edges[:-1], len(level) - 1)
-    highest = np.maximum.reduceat(level, edges)
+    edges = np.linspace(0, len(level), count + 1).astype(np.int64)[:-1]
+    highest = np.maximum.reduceat(level, np.minimum(edges, len(level) - 1))
     if highest.max() <= 0.0:
         raise InputError("the clip is silent")
     return tuple(round(float(value), 4) for value in highest / highest.max())
@@ -320,11 +318,9 @@ def modes(clip: DecodedClip) -> tuple[ClickMode, ...]:
 
 
 def _mode(strike: Transient, loudest: float) -> ClickMode:
-    ratio = strike.sharpness
-    hz = DULL_HZ * (SHARP_HZ / DULL_HZ) ** ratio
-    decay = _DULL_MS * (_SHARP_MS / _DULL_MS) ** ratio
-    lowest = MODE_PARAMETERS["gain_db"].low
-    gain = max(lowest, 20.0 * math.log10(strike.amplitude / loudest))
+    hz = DULL_HZ * (SHARP_HZ / DULL_HZ) ** strike.sharpness
+    decay = _DULL_MS * (_SHARP_MS / _DULL_MS) ** strike.sharpness
+    gain = max(MODE_PARAMETERS["gain_db"].low, 20.0 * math.log10(strike.amplitude / loudest))
     return ClickMode(round(hz, 1), round(decay, 1), round(gain, 1))
 
 

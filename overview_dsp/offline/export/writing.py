@@ -184,8 +184,7 @@ def export(
         save_sound(target, result.samples[:, [0, 0, 1, 1]], result.sample_rate, "PCM_16")
         return ExportResult((target,), None, 0, 0)
     clip = clip_of(result)
-    budget = max(2, round(points_per_s * clip.duration_s))
-    files, played, points = _BAKES[to](clip, budget)
+    files, played, points = _BAKES[to](clip, max(2, round(points_per_s * clip.duration_s)))
     stem = target.with_suffix("") if target.suffix else target
     places = [target, *(stem.with_name(stem.name + suffix) for suffix in list(files)[1:])]
     for place, data in zip(places, files.values(), strict=True):
