@@ -1,4 +1,4 @@
-"""Compare the printed errors of exported clips with what other implementations of players play.
+"""Compare the printed errors of exported clips to those on the players of MPEG and Meta.
 
 MPEG's reference software (https://github.com/MPEGGroup/HapticReferenceSoftware) plays HJIF and
 reads AHAP: after `cmake -S . -B build && cmake --build build`, its programs Synthesizer and Encoder
