@@ -189,7 +189,9 @@ def _refitted(
     own = [(sign, measures.profiles[condition]) for sign, condition in parts
            if condition in measures.profiles]  # fmt: skip
     shares = Counter((sign, code) for sign, one in own for code in one.participants)
-    counts, total = resample_counts(len(people)), np.zeros(RESAMPLES)
+    # of small products, numpy starts no threads, which take longer than they save
+    counts = resample_counts(len(people)).reshape(50, -1, len(people))
+    total = np.zeros(RESAMPLES)
     for sign, one in own:
         widths = np.where(one.has_slope, one.width, one.width[:, [one.best]])
         values = {"pse": one.threshold, "jnd": JND_PER_WIDTH * widths,
@@ -197,8 +199,11 @@ def _refitted(
         row_of = {code: row for row, code in enumerate(one.participants)}
         rows = [row_of.get(code, 0) for code in people]
         weight = np.array([sign / shares[sign, c] if c in row_of else 0.0 for c in people])[:, None]
-        best = (counts @ (one.cost[rows] * np.abs(np.sign(weight)))).argmin(axis=1)
-        total += (counts @ (values[rows] * weight))[np.arange(RESAMPLES), best]
+        costs = one.cost[rows] * np.abs(np.sign(weight))
+        costs, sums = (
+            (counts @ part).reshape(RESAMPLES, -1) for part in (costs, values[rows] * weight)
+        )
+        total += sums[np.arange(RESAMPLES), costs.argmin(axis=1)]
     return total / len(people)
 
 

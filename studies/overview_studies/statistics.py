@@ -10,6 +10,7 @@ from itertools import product
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from scipy.ndimage import minimum_filter
 from scipy.special import ndtr, ndtri, xlogy
 from scipy.stats import t as student
 
@@ -201,7 +202,7 @@ def fit_psychometric(
         rates = np.linspace(LAPSES[max(near - 1, 0)], LAPSES[min(near + 1, len(LAPSES) - 1)], 11)
         found = _profile(table, guess, rates)
     at = int(found[0].argmin())
-    cost, place, log_width = (float(one[at]) for one in found)
+    cost, place, log_width = (float(one[0, at]) for one in found)
     rate = float(rates[at])
     return Psychometric(
         middle + span * place,
@@ -214,10 +215,10 @@ def fit_psychometric(
 
 
 def _scaled(level: ArrayLike, right: ArrayLike, trials: ArrayLike) -> tuple[Table, float, float]:
-    """Return a table with levels in spans from their middle, the span and the middle."""
+    """Return levels in spans from their middle, one row of counts per person, span and middle."""
     x, k, n = (np.asarray(one, dtype=np.float64) for one in (level, right, trials))
     span, middle = float(np.ptp(x)) or 1.0, float(x.min() + x.max()) / 2.0
-    return ((x - middle) / span, k, n), span, middle
+    return ((x - middle) / span, np.atleast_2d(k), np.atleast_2d(n)), span, middle
 
 
 def _inside(log_width: ArrayLike) -> NDArray[np.bool_]:
@@ -226,46 +227,62 @@ def _inside(log_width: ArrayLike) -> NDArray[np.bool_]:
 
 
 def _profile(table: Table, guess: float | None, lapses: Floats) -> tuple[Floats, Floats, Floats]:
-    """Return for each lapse rate the least cost, and where it is: threshold, logarithm of width.
+    """Return the least cost, and where it is: threshold, logarithm of width (people, lapse rates).
 
     Between uneven levels the cost has several minima. The lowest ones of a grid, whose thresholds
     include the levels and their midpoints, are refined: by scoring steps of several lengths, and
     by steps around the point, which get shorter.
     """
-    x = table[0]
+    x, k, n = table
     low = (lapses if guess is None else np.full_like(lapses, guess))[:, None]
     rise = 1.0 - lapses[:, None] - low
     thresholds = np.unique([*np.linspace(_LOW[0], _HIGH[0], 25), *x, *(x[1:] + x[:-1]) / 2.0])
-    pairs = np.array(list(product(thresholds, np.linspace(_LOW[1], _HIGH[1], 23))))
-    costs = _cost(pairs, low, rise, table).reshape(len(lapses), len(thresholds), -1)
-    padded = np.pad(costs, ((0, 0), (1, 1), (1, 1)), constant_values=np.inf)
-    near = np.lib.stride_tricks.sliding_window_view(padded, (3, 3), (1, 2)).min(axis=(3, 4))
-    minima = np.where(costs <= near, costs, np.inf).reshape(len(lapses), -1)
-    at = pairs[minima.argsort(axis=1)[:, :STARTS]]
+    axes = np.meshgrid(thresholds, np.linspace(_LOW[1], _HIGH[1], 23), indexing="ij")
+    pairs = np.stack(axes, axis=-1).reshape(-1, 2)
+    p = _chances(pairs, low, rise, x)
+    grid = -(np.log(p) @ k.T + np.log1p(-p) @ (n - k).T)
+    costs = np.moveaxis(grid, -1, 0).reshape(-1, *axes[0].shape)
+    near = minimum_filter(costs, (1, 3, 3), mode="constant", cval=np.inf)
+    minima = np.where(costs <= near, costs, np.inf).reshape(len(costs), -1)
+    at = pairs[minima.argpartition(STARTS, axis=1)[:, :STARTS]]
     around = _AROUND * (thresholds[1] - thresholds[0], pairs[1, 1] - pairs[0, 1])
-    least, still = np.full(len(at), np.inf), 0
+    # a row for each person and lapse rate
+    low, rise = (np.tile(one, (len(k), 1)) for one in (low, rise))
+    k_rows, n_rows = (one.repeat(len(lapses), axis=0)[:, None] for one in (k, n))
+    best, still = np.full(at.shape[:2], np.inf), np.zeros(len(at), dtype=int)
     for _ in range(REFINEMENTS):
-        step = _scoring_step(at, low, rise, table)[:, :, None]
-        both = [-_LENGTHS * step, np.broadcast_to(around, (*at.shape[:2], *around.shape))]
-        tried = np.clip(at[:, :, None] + np.concatenate(both, axis=2), _LOW, _HIGH)
-        costs = _cost(tried, low[..., None], rise[..., None], table)
-        at = np.take_along_axis(tried, costs.argmin(axis=2)[..., None, None], 2)[:, :, 0]
-        around = 0.75 * around
-        best = costs.min(axis=2)
-        still = still + 1 if float(np.max(least - best.min(axis=1))) < SMALLEST_GAIN else 0
-        if still == REFINED:
-            break
-        least = best.min(axis=1)
-    rows, start = np.arange(len(lapses)), best.argmin(axis=1)
-    return best[rows, start], at[rows, start, 0], at[rows, start, 1]
+        rows = np.flatnonzero(still < REFINED)
+        own, part = at[rows], (low[rows], rise[rows])
+        table = x, k_rows[rows], n_rows[rows]
+        step = _scoring_step(own, *part, table)[:, :, None]
+        both = [-_LENGTHS * step, np.broadcast_to(around, (*own.shape[:2], *around.shape))]
+        tried = np.clip(own[:, :, None] + np.concatenate(both, axis=2), _LOW, _HIGH)
+        costs = _cost(tried, part[0][..., None], part[1][..., None], table)
+        at[rows] = np.take_along_axis(tried, costs.argmin(axis=2)[..., None, None], 2)[:, :, 0]
+        around, least = 0.75 * around, best[rows].min(axis=1)
+        best[rows] = costs.min(axis=2)
+        gain = least - best[rows].min(axis=1)
+        still[rows] = np.where(gain < SMALLEST_GAIN, still[rows] + 1, 0)
+    start = best.argmin(axis=1)
+    found = np.take_along_axis(at, start[:, None, None], 1)[:, 0].T
+    cost, threshold, width = (one.reshape(len(k), -1) for one in (best.min(axis=1), *found))
+    return cost, threshold, width
+
+
+def _chances(at: Floats, low: Floats, rise: Floats, x: Floats) -> Floats:
+    """Return the probability of an answer at each level, at pairs of threshold and log width."""
+    z = (x - at[..., :1]) / np.exp(at[..., 1:])
+    p: Floats = np.clip(low[..., None] + rise[..., None] * ndtr(z), 1e-9, 1.0 - 1e-9)
+    return p
 
 
 def _cost(at: Floats, low: Floats, rise: Floats, table: Table) -> Floats:
-    """Return the negative logarithm of the likelihood at pairs of threshold and log width."""
+    """Return the negative logarithm of the likelihood at tried pairs (rows, starts, tried)."""
     x, k, n = table
-    z = (x - at[..., :1]) / np.exp(at[..., 1:])
-    p = np.clip(low[..., None] + rise[..., None] * ndtr(z), 1e-9, 1.0 - 1e-9)
-    costs: Floats = -(k * np.log(p) + (n - k) * np.log1p(-p)).sum(axis=-1)
+    p = _chances(at, low, rise, x)
+    k, n = k[:, None], n[:, None]
+    costs: Floats = -np.einsum("...l,...l->...", k, np.log(p))
+    costs -= np.einsum("...l,...l->...", n - k, np.log1p(-p))
     return costs
 
 
@@ -290,26 +307,26 @@ def _scoring_step(at: Floats, low: Floats, rise: Floats, table: Table) -> Floats
 
 
 def _width_correction(table: Table, threshold: Floats, width: Floats, lapses: Floats) -> Floats:
-    """Return factors that remove the bias of most likely widths, one for each lapse rate.
+    """Return factors that remove the bias of most likely widths (people, lapse rates).
 
     In small samples they are too small; the factor is that of the first order (Cox and Snell 1968).
     """
     x, _, n = table
-    z = (x - threshold[:, None]) / width[:, None]
+    z = (x - threshold[..., None]) / width[..., None]
     rise = 1.0 - 2.0 * lapses[:, None]
     p = np.clip(lapses[:, None] + rise * ndtr(z), 1e-9, 1.0 - 1e-9)
-    density = rise * np.exp(-0.5 * z * z) / math.sqrt(2.0 * math.pi) / width[:, None]
+    density = rise * np.exp(-0.5 * z * z) / math.sqrt(2.0 * math.pi) / width[..., None]
     slopes = -density[..., None] * np.stack([np.ones_like(z), z], axis=-1)
     mixed = 1.0 - z * z
     curves = np.stack([np.stack([-z, mixed], -1), np.stack([mixed, z * (2.0 - z * z)], -1)], -1)
-    curves *= (density / width[:, None])[..., None, None]
-    weight = n / (p * (1.0 - p))
-    information = np.einsum("al,ali,alj->aij", weight, slopes, slopes)
+    curves *= (density / width[..., None])[..., None, None]
+    weight = n[:, None] / (p * (1.0 - p))
+    information = np.einsum("...l,...li,...lj->...ij", weight, slopes, slopes)
     # without a ridge, levels that are all right or all wrong have no inverse
-    ridge = 1e-9 + 1e-6 * np.trace(information, axis1=1, axis2=2)[:, None, None]
+    ridge = 1e-9 + 1e-6 * np.trace(information, axis1=-2, axis2=-1)[..., None, None]
     covariance = np.linalg.inv(information + ridge * np.eye(2))
-    bending = weight * np.einsum("aij,alij->al", covariance, curves)
-    bias = -0.5 * np.einsum("aij,al,alj->ai", covariance, bending, slopes)[:, 1]
+    bending = weight * np.einsum("...ij,...lij->...l", covariance, curves)
+    bias = -0.5 * np.einsum("...ij,...l,...lj->...i", covariance, bending, slopes)[..., 1]
     factor: Floats = np.clip(1.0 - bias / width, 1.0, MAX_CORRECTION)
     return factor
 
@@ -357,12 +374,16 @@ def fit_lapse_profiles(
     tables: Mapping[str, Table],
 ) -> LapseProfiles:
     """Fit levels, counts and trials of each participant, with equal lapses at both ends."""
-    rows = []
-    for one in tables.values():
-        table, span, middle = _scaled(*one)
+    people = list(tables)
+    groups: dict[tuple[float, ...], list[int]] = {}
+    for row, one in enumerate(tables.values()):
+        groups.setdefault(tuple(one[0].tolist()), []).append(row)
+    found = np.empty((4, len(people), len(LAPSES)))
+    for levels, rows in groups.items():
+        counts = [[tables[people[row]][i] for row in rows] for i in (1, 2)]
+        table, span, middle = _scaled(levels, *counts)
         cost, threshold, log_width = _profile(table, None, LAPSES)
         width = np.exp(log_width) * _width_correction(table, threshold, np.exp(log_width), LAPSES)
-        rows.append((cost, middle + span * threshold, span * width, log_width))
-    parts = (np.array(part).reshape(len(rows), len(LAPSES)) for part in zip(*rows, strict=True))
-    cost, threshold, width, log_width = parts
-    return LapseProfiles(list(tables), cost, threshold, width, _inside(log_width))
+        found[:, rows] = cost, middle + span * threshold, span * width, log_width
+    cost, threshold, width, log_width = found
+    return LapseProfiles(people, cost, threshold, width, _inside(log_width))
