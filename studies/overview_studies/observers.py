@@ -176,8 +176,8 @@ def _search_take(response: float | None, d: float, rng: np.random.Generator) -> 
     ends = [0.0, *(float((i + 1) % 2) for i in range(passes)), last]
     points = np.concatenate([np.linspace(a, b, 20) for a, b in pairwise(ends)])
     samples = (np.arange(len(points)) * SEARCH_PASS_S * SIMULATED_RATE / 20).astype(int)
-    events = [[int(sample), math.pi * float(point), 1, "touch"]
-              for sample, point in zip(samples, points, strict=True)]  # fmt: skip
+    both = zip(samples.tolist(), (math.pi * points).tolist(), strict=True)
+    events: list[list[Any]] = [[sample, point, 1, "touch"] for sample, point in both]
     events.append([int(samples[-1]) + 1, math.pi * float(points[-1]), 0, "touch"])
     return {"sample_rate": SIMULATED_RATE, "samples": int(samples[-1]) + 1, "events": events}
 

@@ -101,9 +101,15 @@ def is_take(value: Any) -> bool:
     return not events or (
         _is_number(rate)
         and rate > 0.0
-        and all(isinstance(one, list) and len(one) > 2 and all(map(_is_number, one[:3]))
-                for one in events)
-    )  # fmt: skip
+        and all(isinstance(one, list) and len(one) > 2 for one in events)
+        and _are_numbers([value for one in events for value in one[:3]])
+    )
+
+
+def _are_numbers(values: list[Any]) -> bool:
+    if set(map(type, values)) <= {int, float}:
+        return all(map(math.isfinite, values))
+    return all(map(_is_number, values))
 
 
 def _is_number(value: Any) -> bool:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -50,11 +51,14 @@ class Scale:
 
     def steps(self, levels: Sequence[Any]) -> NDArray[np.float64]:
         """Return positions in mean steps of the scale, 0 at the first of `levels`."""
-        known = [self.position(level) for level in self.levels]
-        step = (max(known) - min(known)) / (len(known) - 1) if len(known) > 1 else 1.0
         found = np.array([self.position(level) for level in levels])
-        steps: NDArray[np.float64] = np.round((found - found.min()) / step, 9)
+        steps: NDArray[np.float64] = np.round((found - found.min()) / self._mean_step, 9)
         return steps
+
+    @cached_property
+    def _mean_step(self) -> float:
+        known = [self.position(level) for level in self.levels]
+        return (max(known) - min(known)) / (len(known) - 1) if len(known) > 1 else 1.0
 
 
 def scale_kind(vary: str | None, levels: Sequence[Any], chosen: str | None = None) -> str:
