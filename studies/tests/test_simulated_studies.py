@@ -18,7 +18,7 @@ from tempfile import TemporaryDirectory
 import numpy as np
 import pytest
 from scipy.special import ndtr, ndtri
-from scipy.stats import binom, norm
+from scipy.stats import binom, norm, pearsonr
 
 from overview_studies.analysis import analyse
 from overview_studies.measures import compute_measures
@@ -148,6 +148,88 @@ def searched(study, lists, d):
     }
 
 
+def jnd_of(spread, d):
+    """JND of a quantity that is perceived with a standard deviation of `spread` over d'."""
+    return ndtri(0.75) * math.sqrt(2.0) * spread / d
+
+
+def per_d_prime(function, d):
+    return mean_over_observers(lambda one: function(one + 0.5) - function(one - 0.5), d)
+
+
+def main_trials(study, lists):
+    """Stimulus and right answer of each main trial of a participant; equal for all."""
+    steps = [one for one in lists[1]["steps"] if one.get("phase") == "main"]
+    return [(study["stimuli"][one["stimuli"][0]], one["correct"]) for one in steps]
+
+
+def located(study, lists, d):
+    places = np.array([places for _, places in main_trials(study, lists)])
+    z = np.linspace(-6.0, 6.0, 2401)
+    density = norm.pdf(z) / norm.pdf(z).sum()
+
+    def of(function):
+        def mean(ability):
+            off = np.clip(places + 0.1 * z / ability, 0.0, 1.0) - places
+            return float((function(off) @ density).mean())
+
+        return mean_over_observers(mean, d)
+
+    near = mean_over_observers(lambda one: 2.0 * ndtr(0.5 * one) - 1.0, d)
+    alarms = mean_over_observers(lambda one: ndtr(-0.5 * one), d)
+    return {
+        "location_error": Truth(of(np.abs), jnd_of(0.1, d)),
+        "location_bias": Truth(of(np.positive), jnd_of(0.1, d)),
+        "found": Truth(near, norm.pdf(0.5 * d)),
+        "false_alarms": Truth(alarms, 0.5 * norm.pdf(0.5 * d)),
+    }
+
+
+def counted(study, lists, d):
+    counts = np.array([count for _, count in main_trials(study, lists)])
+    said = np.arange(60)[:, None]
+
+    def of(values):
+        def mean(ability):
+            below = ndtr((said - 0.5 - counts) * ability / (0.3 * counts))
+            below[0] = 0.0
+            return float((np.diff(below, axis=0, append=1.0) * values).sum(axis=0).mean())
+
+        return mean
+
+    exact, off = of(said == counts), of(np.abs(said - counts))
+    alarms = mean_over_observers(lambda one: ndtr(-one), d)
+    return {
+        "exact": Truth(mean_over_observers(exact, d), per_d_prime(exact, d)),
+        "count_error": Truth(mean_over_observers(off, d), jnd_of(0.3 * counts.mean(), d)),
+        "false_alarms": Truth(alarms, norm.pdf(d)),
+    }
+
+
+def drawn(study, lists, d):
+    curves = {tuple(stimulus["curve"]) for stimulus, _ in main_trials(study, lists)}
+    noise = np.random.default_rng(1).standard_normal((1000, len(min(curves))))
+
+    def drawings(ability):
+        for one in map(np.array, curves):
+            yield np.clip(one + 0.3 / ability * noise, 0.0, 1.0), one
+
+    def error(ability):
+        return np.mean(
+            [np.sqrt(np.square(own - one).mean(axis=1)) for own, one in drawings(ability)]
+        )
+
+    def likeness(ability):
+        return np.mean(
+            [pearsonr(own, one[None], axis=1).statistic for own, one in drawings(ability)]
+        )
+
+    return {
+        "likeness": Truth(mean_over_observers(likeness, d), per_d_prime(likeness, d)),
+        "drawn_error": Truth(mean_over_observers(error, d), jnd_of(0.3, d)),
+    }
+
+
 YESNO = {
     "standard = -18.0": 'method = "yesno"',
     "[questionnaires]": "[phases]\ncatch = 0.2\n[questionnaires]",
@@ -167,9 +249,28 @@ LOG = {
     'vary = "tactor.gain_db"': 'vary = "kinds.goal.height"',
     "-15.0, -13.0, -11.0, -9.0, -7.0, -5.0, -3.0": "2.0, 4.0, 8.0, 16.0, 32.0, 64.0, 128.0",
 }
+KINDS = 'made = { kinds = ["goal", "foul", "yellow_card"], variants = 2 }'
+LOCATE = {
+    'name = "identify"': 'name = "locate"',
+    KINDS: 'made = { kinds = ["goal"], variants = 6 }',
+    "attention = 1": "catch = 0.25",
+}
+COUNT = {
+    'name = "identify"': 'name = "count"',
+    KINDS: 'made = { kinds = ["goal"], counts = [1, 2, 4], variants = 2 }',
+    "attention = 1": "catch = 0.25",
+}
+DRAW = {
+    'name = "identify"': 'name = "draw"',
+    KINDS: 'made = { curves = ["rise", "fall", "peak", "dip", "wave"] }',
+    "attention = 1": "",
+}
 CASES = {  # example, what is replaced in it, d' (for levels, of a mean step) and what is true
     "identify": ("identify", {}, 1.5, identified),
     "detect": ("detect", {}, 1.5, identified),
+    "locate": ("identify", LOCATE, 1.5, located),
+    "count": ("identify", COUNT, 1.5, counted),
+    "draw": ("identify", DRAW, 1.5, drawn),
     "compare": ("compare", {}, 1.2, compared),
     "compare, log": ("compare", LOG, 1.2, compared),
     "adjust": ("adjust", {}, 1.0, adjusted),
