@@ -130,8 +130,12 @@ def r_script(answers: Answers) -> str:
         model = f"lmer(value ~ {_crossed(fixed)} + (1 | participant), data = main)"
         if not within:
             model = f"lm(value ~ {_crossed(fixed)}, data = main)"
+        plain = ", ".join(_r_text(name.strip("`")) for name in fixed)
+        cells = f", table(main[c({plain})])" if fixed else ""
         return (
-            f"{_head(study)}library(lme4)\n{read}{missing}model <- {model}\nprint(summary(model))\n"
+            f"{_head(study)}library(lme4)\n{read}{missing}"
+            f"if (all(c(nrow(main){cells}) > 0)) {{\n  model <- {model}\n"
+            '  print(summary(model))\n} else cat("no model: a condition has no value\\n")\n'
         )
     stimuli = {row["stimulus"] for row in answers.rows() if row["phase"] in phases}
     groups = f"({' + '.join(slopes)} | participant)"
