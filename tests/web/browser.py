@@ -5,9 +5,11 @@ from __future__ import annotations
 import base64
 import contextlib
 import json
+import os
 import queue
 import shutil
 import subprocess
+import tempfile
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -16,6 +18,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from tests.web.null_sink import null_sink
 from tests.web.site import Site, opened_site
 
 PROBED = ["--autoplay-policy=no-user-gesture-required", "--enable-precise-memory-info"]
@@ -109,6 +112,11 @@ class Firefox(Browser):
             process.wait()
 
 
+def firefox_program() -> str | None:
+    """The Firefox of this machine."""
+    return shutil.which("firefox-esr") or shutil.which("firefox")
+
+
 @contextlib.contextmanager
 def opened_driver() -> Iterator[Any]:
     """What drives browsers, one for all tests: two can't run side by side. Skips without it."""
@@ -121,18 +129,26 @@ def opened_driver() -> Iterator[Any]:
 
 @contextlib.contextmanager
 def launched(driver: Any, *options: str) -> Iterator[Any]:
-    """A Chromium; skips where there is none."""
-    try:
-        browser = driver.chromium.launch(
-            executable_path=shutil.which("chromium"), args=["--no-sandbox", *options]
-        )
-    except Exception as error:
-        pytest.skip(
-            "needs Chromium: apt install chromium, or playwright install chromium "
-            f"({str(error).splitlines()[0]})"
-        )
-    yield browser
-    browser.close()
+    """A Chromium, or the Firefox of OVERVIEW_BROWSER=firefox; skips where there is none."""
+    with contextlib.ExitStack() as stack:
+        if os.environ.get("OVERVIEW_BROWSER") == "firefox":
+            needed, kind = "Firefox: apt install firefox-esr", driver.firefox
+            folder = Path(stack.enter_context(tempfile.TemporaryDirectory()))
+            given = {
+                "executable_path": firefox_program(),
+                "channel": "moz-firefox",
+                "env": stack.enter_context(null_sink(folder)),  # without one no page moves
+            }
+        else:
+            needed = "Chromium: apt install chromium, or playwright install chromium"
+            kind, arguments = driver.chromium, ["--no-sandbox", *options]
+            given = {"executable_path": shutil.which("chromium"), "args": arguments}
+        try:
+            browser = kind.launch(**given)
+        except Exception as error:
+            pytest.skip(f"needs {needed} ({str(error).splitlines()[0]})")
+        yield browser
+        browser.close()
 
 
 @contextlib.contextmanager
@@ -147,7 +163,7 @@ def opened_chromium(driver: Any) -> Iterator[Chromium]:
 @contextlib.contextmanager
 def opened_firefox(profile: Path) -> Iterator[Firefox]:
     """Skips where there is none."""
-    program = shutil.which("firefox-esr") or shutil.which("firefox")
+    program = firefox_program()
     if program is None:
         pytest.skip("needs Firefox: apt install firefox-esr")
     with opened_site() as site:

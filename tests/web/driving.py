@@ -5,12 +5,19 @@ A page's policy forbids what playwright's own `wait_for_function` needs, so cond
 
 from __future__ import annotations
 
+import os
 import time
 from typing import Any
+
+import pytest
 
 PHONE = {"width": 390, "height": 844}
 DESKTOP = {"width": 1280, "height": 800}
 PATIENCE_S = 40.0
+not_in_firefox = pytest.mark.skipif(
+    os.environ.get("OVERVIEW_BROWSER") == "firefox",
+    reason="in Firefox playwright has no touch, sensors or downloads, and evaluates as a user",
+)
 
 
 def until(page: Any, condition: str) -> None:

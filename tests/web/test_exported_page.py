@@ -18,7 +18,7 @@ from overview_dsp.live.output.stream import connect, run_block
 from overview_dsp.signal.surface.build import build_surface
 from overview_dsp.units import HALF_TURN
 from overview_dsp.web.sound_data import make_patch, pack, window_bytes
-from tests.web.driving import DESKTOP, PHONE, at, until, violations, watch
+from tests.web.driving import DESKTOP, PHONE, at, not_in_firefox, until, violations, watch
 from tests.web.exported import HELD, opened_host
 from tests.web.layouts import FAULTS, settled
 from tests.web.null_sink import null_sink
@@ -105,6 +105,7 @@ def test_an_event_that_keys_go_to_is_felt_and_the_disk_is_at_it(opened):
     until(page, "Math.abs(p.cursor - p.position) < 0.001")
 
 
+@not_in_firefox
 def test_sound_comes_with_the_first_touch_alone(chromium, site):
     with opened_host(site) as host:
         context = chromium.new_context(viewport=PHONE)
@@ -216,6 +217,7 @@ def test_the_focus_stays_on_a_button_or_the_slider_when_zooming(opened):
         until(page, "p.view.zoom === 1")
 
 
+@not_in_firefox
 def test_a_wrist_sweeps_the_whole_timeline_face_up_to_face_down(opened):
     page = opened
     client = page.context.new_cdp_session(page)

@@ -9,7 +9,7 @@ import pytest
 
 import overview_dsp as ov
 from overview_dsp.data.timeline.curve_builder import CurveBuilder
-from tests.web.driving import until, violations
+from tests.web.driving import not_in_firefox, until, violations
 from tests.web.exported import opened_page
 
 HEARD = """() => {
@@ -163,6 +163,7 @@ def test_axe_finds_nothing_in_the_table(chromium, tmp_path, axe, scheme):
         assert violations(page, axe) == []
 
 
+@not_in_firefox
 def test_all_values_are_in_a_table_that_sorts_and_downloads(chromium, tmp_path):
     timeline = series()
     with page_of(chromium, timeline, "series", tmp_path / "site") as page:

@@ -12,7 +12,7 @@ import pytest
 import overview_dsp as ov
 from overview_dsp.web import remote_inputs
 from overview_dsp.web.media import open_media
-from tests.web.driving import DESKTOP, PHONE, at, until, violations
+from tests.web.driving import DESKTOP, PHONE, at, not_in_firefox, until, violations
 from tests.web.serving import served
 
 MATCH, FOOTBALL = ov.load_timeline("world-cup-final-2018"), ov.load_preset("football")
@@ -100,6 +100,7 @@ def test_a_touching_page_that_is_closed_frees_the_disk(match, chromium):
         server.until(lambda meters: not meters.touching)
 
 
+@not_in_firefox
 def test_a_finger_taps_on_a_phone(match, chromium):
     expected = ov.render(match, FOOTBALL, ov.tap(0.8)).engine.meters.strikes  # there and back
     with served(match) as server, page_of(server, chromium, has_touch=True) as (tab, wrong):
@@ -391,6 +392,7 @@ def test_a_shared_link_lets_its_receiver_in_if_the_user_says_so(match, chromium)
             context.close()
 
 
+@not_in_firefox
 def test_a_tap_on_a_mark_its_button_in_the_list_and_a_key_watch_it(
     match, springy_file, chromium, tmp_path
 ):
