@@ -267,13 +267,13 @@ def _check_target(
 class _Judged(NamedTuple):
     """Judgement of a preset.
 
-    `missing`: missing JNDs by timeline. `unfelt`: number of events of all kinds that are never
-    reached, masked or lost.
+    `missing`: missing JNDs by timeline number. `unfelt`: number of events of all kinds that are
+    never reached, masked or lost.
     """
 
     preset: Preset
     gaps: list[Gap]
-    missing: dict[str, float]
+    missing: dict[int, float]
     unfelt: int
     reached: bool
 
@@ -331,10 +331,12 @@ class _Search:
         """Judge a preset by all kinds in each stroke."""
         feels = self.measured(preset, self.names)
         kinds = [kind for by_name in feels.values() for kind in by_name.values()]
-        gaps, unfelt = self.gaps(feels), sum(one.missed + one.masked + one.lost for one in kinds)
-        missing = dict.fromkeys((gap.timeline for gap in gaps), 0.0)
-        for gap in gaps:
-            missing[gap.timeline] += max(0.0, gap.required - gap.jnds)
+        unfelt = sum(one.missed + one.masked + one.lost for one in kinds)
+        gaps, missing = [], dict.fromkeys((i for _, i in feels), 0.0)
+        for (stroke, i), kind in feels.items():
+            found = self.gaps({(stroke, i): kind})
+            missing[i] += sum(max(0.0, gap.required - gap.jnds) for gap in found)
+            gaps += found
         faulty = self.separate and any(kind.masked or kind.merged for kind in kinds)
         reached = not faulty and all(gap.jnds >= gap.required for gap in gaps)
         return _Judged(preset, gaps, missing, unfelt, reached)

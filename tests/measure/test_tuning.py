@@ -195,6 +195,12 @@ def test_timelines_with_equal_titles_are_measured_separately():
         JUDGED
     )
     assert len({gap.jnds for gap in gaps if gap.second == "b" and gap.stroke == "1 s"}) == 2
+    # what one of them gains can't hide what the other loses
+    judge = tuning._Search(preset_of(a=60.0, b=6.0), ("a", "b"), (far, near), JUDGED)
+    judged = judge.judged(judge.preset)
+    assert set(judged.missing) == {0, 1}
+    traded = judged._replace(missing={0: 1.0, 1: 2.0})
+    assert not traded.is_not_worse_than(judged._replace(missing={0: 3.0, 1: 1.0}))
 
 
 def test_a_result_is_the_start_where_no_change_helps_and_never_at_a_limit():
