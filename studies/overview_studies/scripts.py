@@ -221,4 +221,13 @@ def python_script(answers: Answers) -> str:
     for name, plain in names.items():
         levels = [cell(one) for one in factors[name]["levels"]]
         lines.append(f"rows[{plain!r}] = pd.Categorical(rows[{name!r}], categories={levels!r})")
-    return _head(answers.study) + "\n".join([*lines, f"print({model}.fit().summary())\n"])
+    if names:
+        lines.append(f"cells = rows.groupby({list(names.values())!r}, observed=False).size()")
+    known = "len(rows) and (cells > 0).all()" if names else "len(rows)"
+    lines += [
+        f"if {known}:",
+        f"    print({model}.fit().summary())",
+        "else:",
+        "    print('no model: a condition has no value')\n",
+    ]
+    return _head(answers.study) + "\n".join(lines)

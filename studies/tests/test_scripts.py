@@ -115,6 +115,20 @@ def test_statsmodels_finds_the_difference_of_the_report(tmp_path, monkeypatch, c
     assert found == pytest.approx(difference.mean, abs=1e-3)
 
 
+def test_a_condition_without_a_value_has_no_model(tmp_path, monkeypatch, capsys):
+    pytest.importorskip("statsmodels", reason="the script needs statsmodels")
+    answers = answers_of(tmp_path, varying("adjust"))
+    table = measures_csv(answers).splitlines()
+    names = table[0].split(",")
+    one = table[1].split(",")
+    one[names.index("value")] = ""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / answers.marked("measures.csv")).write_text("\n".join([table[0], ",".join(one)]))
+    (tmp_path / "analysis.py").write_text(python_script(answers))
+    runpy.run_path("analysis.py")
+    assert "no model: a condition has no value" in capsys.readouterr().out
+
+
 ODD = """
 [factors]
 class = { within = ["new", "NA"], order = "williams" }
