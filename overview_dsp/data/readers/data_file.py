@@ -461,8 +461,8 @@ class DataFile:
         text = self.text
         if "<!DOCTYPE" in text or "<!ENTITY" in text:
             raise InputError(
-                f"{self.where}: the XML has a document type (<!DOCTYPE ...>), which may expand to "
-                "gigabytes; remove it"
+                "the XML has a document type (<!DOCTYPE ...>), which may expand to gigabytes; "
+                "remove it"
             )
         return _XML_DECLARATION.sub("", text, count=1)
 

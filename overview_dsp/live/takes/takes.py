@@ -246,9 +246,10 @@ class Takes:
         """
         for path in (self._path, *fallback_paths(self._path)):
             try:
-                recorder = Recorder(self._engine, free_name(path), header, before, self._say)
+                place = free_name(path)
                 if timeline is not None:
-                    save_timeline(timeline, timeline_path(recorder.path))
+                    save_timeline(timeline, timeline_path(place))
+                recorder = Recorder(self._engine, place, header, before, self._say)
             except OverviewError as error:
                 self._say(str(error))
                 continue

@@ -19,6 +19,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from datetime import datetime
 from typing import Any
 
+from overview_dsp import validation
 from overview_dsp.data.readers.data_file import DataFile, LoadOptions
 from overview_dsp.data.readers.events.timeline_builder import repeated_ids
 from overview_dsp.data.readers.football.match_timeline import (
@@ -121,7 +122,8 @@ def _bytes(source: DataFile) -> bytes:
         _ = source.json  # checks its limits
         return source.text.removeprefix("\ufeff").encode()
     # kloppy detects XML by the declaration
-    return ('<?xml version="1.0" encoding="UTF-8"?>\n' + source.xml_text.lstrip()).encode()
+    with validation.prefix_errors(f"{source.where}: "):
+        return ('<?xml version="1.0" encoding="UTF-8"?>\n' + source.xml_text.lstrip()).encode()
 
 
 def _companion(source: DataFile, name: str, companion: Mapping[str, Any]) -> DataFile:

@@ -107,7 +107,7 @@ BOMB = '<!DOCTYPE gpx [<!ENTITY a "ha"><!ENTITY b "&a;&a;&a;&a;&a;&a;&a;&a;">]>'
 @pytest.mark.parametrize("encoding", ["utf-8", "utf-16"])
 def test_a_document_type_is_refused(encoding: str, tmp_path: Path) -> None:
     text = gpx().replace("?>\n", f"?>\n{BOMB}\n", 1)
-    with pytest.raises(InputError, match=r"track.gpx: the XML has a document type"):
+    with pytest.raises(InputError, match=r"^[^ ]*track.gpx: the XML has a document type"):
         load_timeline(write(tmp_path, text, encoding=encoding))
 
 
