@@ -17,7 +17,7 @@ import click
 
 from overview_dsp import __version__
 from overview_dsp.cli.signals import stop_code, stopped_by_signals
-from overview_dsp.errors import InputError, OverviewError, OverviewWarning, did_you_mean
+from overview_dsp.errors import InputError, OverviewError, OverviewWarning, did_you_mean, printable
 from overview_dsp.files.atomic import remove_temporaries
 from overview_dsp.files.toml import load_toml
 
@@ -130,7 +130,7 @@ def _fail(message: str, code: int) -> NoReturn:
         text = json.dumps({"error": line, "exit_code": code}, ensure_ascii=False)
     else:
         text = f"error: {message}"
-    click.echo(text, err=True)
+    click.echo("\n".join(map(printable, text.split("\n"))), err=True)
     sys.exit(code)
 
 

@@ -19,13 +19,6 @@ from studies.tests.files import study_of, varying
 from studies.tests.test_scripts import BETWEEN, ODD
 from studies.tests.test_simulated_studies import AT_LIMIT, CASES, drafted
 
-LME4 = (
-    shutil.which("Rscript")
-    and not subprocess.run(
-        ["Rscript", "-e", "library(lme4)"], capture_output=True, check=False
-    ).returncode
-)
-pytestmark = pytest.mark.skipif(not LME4, reason="apt-get install r-base-core r-cran-lme4")
 OWN = {"adjust, between": varying("adjust") + BETWEEN, "adjust, odd": varying("adjust") + ODD}
 RUN = """
 for (folder in commandArgs(TRUE)) {
@@ -47,6 +40,11 @@ for (folder in commandArgs(TRUE)) {
 
 @pytest.fixture(scope="module")
 def in_r(tmp_path_factory):
+    started = shutil.which("Rscript") and subprocess.run(
+        ["Rscript", "-e", "library(lme4)"], capture_output=True, check=False
+    )
+    if not started or started.returncode:
+        pytest.skip("needs lme4 of R: apt-get install r-base-core r-cran-lme4")
     folder, answers = tmp_path_factory.mktemp("r"), {}
     for name in (*CASES, *OWN):
         study, lists = drafted(name) if name in CASES else study_of(folder, OWN[name])

@@ -28,6 +28,8 @@ def test_texts_of_a_file_cannot_control_the_terminal(folder):
     ov.save_timeline(match, "match.json")
     shown = overview("timeline", "show", "match.json", "--events")
     passed = overview("render", "match.json", "--transcript", "-", "--gesture", "sweep:0.5")
+    missing = overview("timeline", "show", "a\x9b2Jb.json")  # the same, in one character
+    assert "a 2Jb.json: no such file" in missing.err
     for outcome in (shown, passed):
         assert outcome.code == 0
         assert "one [2Jtwo" in outcome.out
