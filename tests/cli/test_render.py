@@ -100,9 +100,12 @@ def test_unknown_kinds_are_a_note_and_no_error(folder):
     assert outcome.errors == []
 
 
-def test_render_works_as_a_separate_process(folder):
+def test_render_works_as_a_separate_process_and_loads_nothing_slow(folder, monkeypatch):
+    monkeypatch.setenv("PYTHONPROFILEIMPORTTIME", "1")
     outcome = overview_process("render", MATCH, *QUICK, "--json", cwd=folder)
     assert outcome.code == 0, outcome.err
+    assert "overview_dsp.offline.rendering" in outcome.err
+    assert "scipy.signal" not in outcome.err
     assert json.loads(outcome.out)["file"] == "out.wav"
     assert os.listdir(folder) == ["out.wav"]
 

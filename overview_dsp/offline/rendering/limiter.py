@@ -7,14 +7,11 @@ its mean over the same time. So it changes smoothly and is low enough at each pe
 from __future__ import annotations
 
 import numpy as np
-from scipy.ndimage import minimum_filter1d, uniform_filter1d
-from scipy.signal import resample_poly
 
 from overview_dsp.arrays import FloatArray, SampleArray
 
 STEP_S = 1e-3  # resolution of the gain, s
-LOOK_AHEAD_S = 5e-3
-"""Time over which the gain falls before a peak, and rises after it, s."""
+LOOK_AHEAD_S = 5e-3  # time over which the gain falls before a peak, and rises after it, s
 
 _OVERSAMPLING = 4
 _MARGIN = 64  # frames on both sides that the interpolation needs
@@ -42,6 +39,8 @@ class TruePeaks:
         return np.concatenate(self._found)
 
     def _measure(self) -> None:
+        from scipy.signal import resample_poly  # slow
+
         steps = (len(self._waiting) - 2 * _MARGIN) // self.step_frames
         count = steps * self.step_frames
         fine = resample_poly(self._waiting[: count + 2 * _MARGIN], _OVERSAMPLING, 1)
@@ -59,6 +58,8 @@ class Limiter:
     """
 
     def __init__(self, peaks: FloatArray, step_frames: int, gain: float, ceiling: float) -> None:
+        from scipy.ndimage import minimum_filter1d, uniform_filter1d  # slow
+
         needed = np.minimum(1.0, ceiling / np.maximum(gain * peaks, 1e-30))
         width = 2 * round(LOOK_AHEAD_S / STEP_S) + 1
         # one step more on both sides, because the gain is interpolated between steps
