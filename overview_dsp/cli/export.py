@@ -54,9 +54,7 @@ def command(
     preset: str | None = PRESET_OPTION,
     gesture: str = GESTURE,
     formats: tuple[str, ...] = option(
-        "--to",
-        required=True,
-        type=click.Choice((*FORMAT_NAMES, SITE, SOURCE)),
+        "--to", required=True, type=click.Choice((*FORMAT_NAMES, SITE, SOURCE))
     ),
     output: str | None = option(),
     points_per_second: float = option(default=50.0, type=click.FloatRange(1.0, 1000.0)),

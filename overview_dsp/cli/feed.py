@@ -20,10 +20,7 @@ def _speed(context: Any, parameter: Any, speed: float) -> float:
 
 @cli_command("feed world-cup-final-2018 --speed 60 | overview play --follow -", name="feed")
 def command(
-    timeline: str,
-    *,
-    speed: float = option(default=1.0, callback=_speed),
-    reading: Reading,
+    timeline: str, *, speed: float = option(default=1.0, callback=_speed), reading: Reading
 ) -> None:
     """Print TIMELINE as a live feed: one line of JSON per event, at its time.
 

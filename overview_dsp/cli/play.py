@@ -43,8 +43,7 @@ def command(
     session: Session,
     seconds: float | None = SECONDS,
     screen: str | None = option(
-        heading=Session.heading,
-        type=click.Choice(["full", "lines", "json"]),
+        heading=Session.heading, type=click.Choice(["full", "lines", "json"])
     ),
 ) -> None:
     """Play TIMELINE live, by mouse, keys, sensors, controllers or a take.

@@ -6,7 +6,8 @@ changes one kind with a shortfall, or all of them, and keeps changes that cost l
 
 The start and shares of the found change are judged on timelines that were not searched too, in more
 strokes, with recoils and an arm. The smallest change wins that misses fewer JNDs, on no timeline
-more, and leaves no more events unfelt, or else the start. All steps read the table of felt events.
+more, and leaves no more events unfelt, also on further timelines that chose nothing, or else the
+start. All steps read the table of felt events.
 """
 
 from __future__ import annotations
@@ -54,8 +55,7 @@ GOOD = 0.02  # cost at which the search ends
 MOST_HEIGHT, MOST_WIDTH = 8.0, 2.0
 """Ratios of change of heights and widths that a result does not reach."""
 
-LOG_PER_DB = 0.19
-"""Change of a height's logarithm per dB of level, for a compression of 0.6 dB per dB."""
+LOG_PER_DB = 0.19  # change of a height's logarithm per dB of level, compressed by 0.6 dB per dB
 
 TRIES, TRIES_APART = 60, 2000  # tries of the search
 GUESSES = 3  # first tries, which raise each kind of a target by its shortfall
@@ -66,7 +66,7 @@ SPREAD = (0.3, 0.15)
 
 SHARES = (0.25, 0.5, 0.75, 1.0)  # judged shares of the change that the search found
 LEAST_GAIN = 0.1  # JNDs that a larger change must miss less, or that a timeline may miss more
-HELD_OUT = 2  # held-out timelines that are made of a single one
+HELD_OUT, FURTHER = 2, 6  # timelines made of a single one: held out, and to confirm a result
 
 REST = "the level between the events"
 UNMET = -10.0  # JNDs of a kind that was never passed above another one
@@ -191,16 +191,19 @@ def tune(
     searched, held_out = _split(given, target, rng)
     together = timelines is None
     judge = _Search(preset, tuple(target), (*given, *held_out), JUDGED, separate, together)
-    best = start = judge.judged(preset)
+    start = judge.judged(preset)
+    found = [start]
     if not start.reached:
         search = replace(judge, timelines=searched, gestures=SEARCHED)
         moves = search.improved(rng, progress)
         for share in SHARES:
             judged = judge.judged(search.moved(share * moves) or preset)
-            if judged.reached or judged.total < best.total - LEAST_GAIN:
-                best = judged if judged.is_not_worse_than(start) else best
-                if best.reached:
-                    break
+            less = judged.reached or judged.total < found[-1].total - LEAST_GAIN
+            if less and judged.is_not_worse_than(start):
+                found.append(judged)
+            if found[-1].reached:
+                break
+    best = judge.confirmed(found, rng)
     progress(1.0)
     made = replace(best.preset, name=f"{preset.name}-tuned", title=f"{preset.title}, tuned")
     least = min((gap.jnds - gap.required for gap in best.gaps), default=math.inf)
@@ -224,7 +227,8 @@ def _split(
     if target and all(wanted <= kinds for kinds in present):
         return searched, ()
     copies = HELD_OUT if len(timelines) == 1 else 1
-    return timelines, tuple(rearranged(one, rng) for one in timelines for _ in range(copies))
+    made = (rearranged(one, rng) for one in timelines if one.events for _ in range(copies))
+    return timelines, tuple(made)
 
 
 def rearranged(timeline: Timeline, rng: np.random.Generator) -> Timeline:
@@ -340,6 +344,19 @@ class _Search:
         faulty = self.separate and any(kind.masked or kind.merged for kind in kinds)
         reached = not faulty and all(gap.jnds >= gap.required for gap in gaps)
         return _Judged(preset, gaps, missing, unfelt, reached)
+
+    def confirmed(self, found: list[_Judged], rng: np.random.Generator) -> _Judged:
+        """Return the last preset that is not worse than the first on further timelines."""
+        copies = max(1, FURTHER // len(self.timelines))
+        made = tuple(
+            rearranged(one, rng) for one in self.timelines for _ in range(copies) if one.events
+        )
+        further = replace(self, timelines=made)
+        start = further.judged(found[0].preset) if found[1:] else found[0]
+        for one in found[:0:-1]:
+            if further.judged(one.preset).is_not_worse_than(start):
+                return one
+        return found[0]
 
     def reasons(self, best: _Judged) -> Iterator[str]:
         """Yield a line per requirement that is not met: its weakest event, and the reason."""

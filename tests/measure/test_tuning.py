@@ -219,22 +219,44 @@ def test_a_result_is_the_start_where_no_change_helps_and_never_at_a_limit():
     )
 
 
-def test_every_second_timeline_is_held_out_of_the_search(monkeypatch):
+def test_every_second_timeline_is_held_out_of_the_search_and_others_confirm_the_result(monkeypatch):
     one, other = timeline_of("a", "b", "b", "a"), timeline_of("b", "a", "a", "b")
     seen = []
     measured = tuning._Search.measured
     monkeypatch.setattr(
         tuning._Search,
         "measured",
-        lambda self, *rest: (seen.append((self.gestures, self.timelines)), measured(self, *rest))[
-            1
-        ],
+        lambda self, *rest: (
+            seen.append((frozenset(self.gestures), self.timelines)),
+            measured(self, *rest),
+        )[1],
     )
     assert tune(preset_of(a=20.0, b=18.0), ("a", "b"), [one, other], seed=1).reached
-    assert {id(gestures): timelines for gestures, timelines in seen} == {
-        id(tuning.SEARCHED): (one,),
-        id(JUDGED): (one, other),
+    further = seen[-1][1]
+    assert len(further) == 6
+    assert all(timeline.title.endswith("rearranged") for timeline in further)
+    assert set(seen) == {
+        (frozenset(JUDGED), (one, other)),
+        (frozenset(tuning.SEARCHED), (one,)),
+        (frozenset(JUDGED), further),
     }
+
+
+def test_a_change_that_others_do_not_confirm_is_no_result(monkeypatch):
+    preset = preset_of(a=20.0, b=18.0)
+    assert tune(preset, ("a", "b"), [timeline_of("a", "b", "b", "a")], seed=1).reached
+    judged = tuning._Search.judged
+
+    def worse_elsewhere(self, tried):
+        found = judged(self, tried)
+        is_further = all(one.title.endswith("rearranged") for one in self.timelines)
+        return found._replace(unfelt=1) if is_further and tried is not preset else found
+
+    monkeypatch.setattr(tuning._Search, "judged", worse_elsewhere)
+    found = tune(preset, ("a", "b"), [timeline_of("a", "b", "b", "a")], seed=1)
+    assert found.preset.kinds == preset.kinds
+    assert not found.reached
+    assert found.missing_jnds == found.missing_before > 0.0
 
 
 def test_a_kind_that_no_timeline_has_gives_a_one_line_error(match, football):

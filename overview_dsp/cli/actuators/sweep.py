@@ -85,8 +85,7 @@ def measure(
     *,
     output: str | None = option(),
     quantity: str = option(
-        type=click.Choice(("acceleration", "velocity", "displacement")),
-        default="acceleration",
+        type=click.Choice(("acceleration", "velocity", "displacement")), default="acceleration"
     ),
     input_channel: int = option(type=click.IntRange(1), default=1),
     low_frequency: float = LOW_FREQUENCY,

@@ -34,11 +34,7 @@ _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9 _.-]{0,99}")
 
 @cli_command("presets new my-match --base football", group=command)
 def new(
-    name: str,
-    *,
-    base: str = BASE,
-    output: str | None = option(),
-    as_json: bool = JSON,
+    name: str, *, base: str = BASE, output: str | None = option(), as_json: bool = JSON
 ) -> None:
     """Write a preset that extends another one, with every parameter to edit."""
     from overview_dsp.design.presets.library import LIBRARY

@@ -25,13 +25,7 @@ from overview_dsp.data.readers.data_file import DataFile
 from overview_dsp.data.readers.tables.cells import looks_numeric
 from overview_dsp.data.readers.tables.column_names import CHART_LETTERS, NAMES
 from overview_dsp.data.readers.tables.dialect import is_date
-from overview_dsp.data.readers.tables.table import (
-    CellLocation,
-    Column,
-    ColumnTable,
-    Table,
-    as_list,
-)
+from overview_dsp.data.readers.tables.table import CellLocation, Column, ColumnTable, Table, as_list
 from overview_dsp.errors import InputError, quoted
 
 
