@@ -1,6 +1,6 @@
 """Many simulated studies of each task: coverage of intervals, bias, and flags of floor and ceiling.
 
-The gate has 50 studies for each task and `.ci/soak` 2,000; OVERVIEW_SOAK_STUDIES sets another
+The gate has 20 studies for each task and `.ci/soak` 2,000; OVERVIEW_SOAK_STUDIES sets another
 number. `pytest -n 0 -m soak -s studies/tests/test_simulated_studies.py` prints the figures.
 """
 
@@ -28,7 +28,7 @@ from studies.tests.files import study_of
 from studies.tests.test_examples import EXAMPLES
 
 PEOPLE = 12
-GATE, SOAK = 50, int(os.environ.get("OVERVIEW_SOAK_STUDIES", "2000"))
+GATE, SOAK = 20, int(os.environ.get("OVERVIEW_SOAK_STUDIES", "2000"))
 RUNS = [GATE, pytest.param(SOAK, marks=pytest.mark.soak)]
 COVERAGE = 0.92, 0.98
 MAX_BIAS = 0.05
@@ -38,7 +38,7 @@ MOST_WRONG = 0.05
 """Largest share of false alarms, and of misses, of the flags of floor and ceiling."""
 
 CHANCE = 1e-3
-"""Chance that a gate of 50 studies fails although the limit is kept."""
+"""Chance that a gate of 20 studies fails although the limit is kept."""
 
 SPREAD = 0.1
 """Standard deviation of sensitivity between observers, relative to its mean."""

@@ -18,6 +18,14 @@ from tests.cli.running import MATCH, overview
 from tests.measure.test_feel_report import SWEEPS, preset_of, timeline_of
 
 
+@pytest.fixture
+def few_strokes(monkeypatch):
+    """A search and a judgement of two gestures and a few tries, where more would show no more."""
+    monkeypatch.setattr(tuning, "TRIES", 10)
+    for name in ("SEARCHED", "JUDGED"):
+        monkeypatch.setattr(tuning, name, {"1 s": sweep(1.0), "a tap": tap(1.0, 3.0)})
+
+
 def gaps_of(preset, target, timelines):
     """The JNDs between the kinds of a target, in each stroke on each timeline."""
     return tuning._Search(preset, tuple(target), tuple(timelines), JUDGED).judged(preset).gaps
@@ -54,12 +62,11 @@ def test_separated_kinds_are_all_distinct():
     assert tune(found.preset, ("a", "d"), separate=True, seed=2).preset.kinds == found.preset.kinds
 
 
+@pytest.mark.usefixtures("few_strokes")
 @pytest.mark.parametrize("apart", [False, True])
 def test_a_search_gives_the_same_preset_for_a_seed(monkeypatch, apart):
     for name in ("TRIES", "TRIES_APART"):
         monkeypatch.setattr(tuning, name, 6)  # however far it comes
-    for name in ("SEARCHED", "JUDGED"):  # a seed is independent of the gestures
-        monkeypatch.setattr(tuning, name, {"1 s": sweep(1.0), "a tap": tap(1.0, 3.0)})
     preset = preset_of(a=20.0, d=20.0)
     one, again, other = (tune(preset, ("a", "d"), None, apart, seed).preset for seed in (1, 1, 2))
     assert one.kinds == again.kinds != preset.kinds
@@ -174,6 +181,7 @@ def test_a_preset_is_tuned_on_given_timelines_and_reports_unreached_requirements
     assert heights[0] > 1.5 * heights[1]
 
 
+@pytest.mark.usefixtures("few_strokes")
 def test_unreached_requirements_name_kind_gesture_and_timeline():
     # the strongest event lies so near to the other that this gets its level
     crowd = ov.Timeline("crowd", duration_s=10.0, events=(ov.Event(5.0, "a"), ov.Event(5.0, "b")))
@@ -203,6 +211,7 @@ def test_timelines_with_equal_titles_are_measured_separately():
     assert not traded.is_not_worse_than(judged._replace(missing={0: 3.0, 1: 1.0}))
 
 
+@pytest.mark.usefixtures("few_strokes")
 def test_a_result_is_the_start_where_no_change_helps_and_never_at_a_limit():
     # a kind without friction is under each other
     preset = preset_of(a=20.0, b=900.0)
@@ -242,6 +251,7 @@ def test_every_second_timeline_is_held_out_of_the_search_and_others_confirm_the_
     }
 
 
+@pytest.mark.usefixtures("few_strokes")
 def test_a_change_that_others_do_not_confirm_is_no_result(monkeypatch):
     preset = preset_of(a=20.0, b=18.0)
     assert tune(preset, ("a", "b"), [timeline_of("a", "b", "b", "a")], seed=1).reached
@@ -264,9 +274,9 @@ def test_a_kind_that_no_timeline_has_gives_a_one_line_error(match, football):
         tune(football, ["goal", "shot"], [match])
 
 
+@pytest.mark.usefixtures("few_strokes")
 def test_the_command_tunes_on_timelines_and_keeps_the_text(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(tuning, "TRIES", 6)
     (tmp_path / "child.toml").write_text(CHILD)
     done = overview(
         *("presets", "tune", "child.toml", MATCH, "--order", "goal>yellow_card>foul"),
@@ -284,6 +294,7 @@ def test_the_command_tunes_on_timelines_and_keeps_the_text(tmp_path, monkeypatch
         assert np.isclose(made.kinds[name].height, kind["height"])
 
 
+@pytest.mark.usefixtures("few_strokes")
 def test_a_change_that_is_worse_where_it_was_not_searched_is_not_taken(monkeypatch):
     preset = preset_of(strong=20.0, weak=18.0)
     worse = np.log([0.5, 2.0, 1.0, 1.0])  # heights, then widths: strong below weak
