@@ -268,7 +268,7 @@ def test_a_session_sounds_after_a_restart_of_its_server(name, client):
     for number in (0, 1):
         connected = f"{client}:out_{number}\n   system:playback_{number + 1}\n"
         assert connected in report["ports"]
-    (line,) = [line for line in report["said"] if "missing" in line]
+    (line,) = [line for line in report["said"] if "not reconnected to" in line]
     assert "hand:left, hand:right" in line
 
 
