@@ -8,20 +8,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
-from overview_dsp.devices.controllers.control_messages import (
-    AngleChanged,
-    Command,
-    Counters,
-    Message,
-    ScaleParameter,
-    Scheduled,
-    SetParameter,
-    SoftTakeover,
-    StepParameter,
-    coerce_value,
-    find_parameter,
-    stepped_value,
-)
+from overview_dsp.devices.controllers import control_messages as control
 from overview_dsp.devices.controllers.midi_messages import MidiReader
 from overview_dsp.devices.controllers.osc_messages import OscReader
 from overview_dsp.devices.controllers.source import ControllerSource
@@ -39,6 +26,9 @@ TICK_S = 0.005
 Reader = MidiReader | OscReader
 """Converter of messages to movements and commands."""
 
+Change = control.SetParameter | control.ScaleParameter | control.StepParameter
+"""Change of a parameter."""
+
 
 class ControllerInput(ThreadedInput):
     """Input that plays a controller into a running engine, as one source.
@@ -53,7 +43,7 @@ class ControllerInput(ThreadedInput):
         engine: Engine,
         source: str,
         open_port: Callable[[], Port],
-        make_reader: Callable[[Counters], Reader],
+        make_reader: Callable[[control.Counters], Reader],
         silent_s: float | None = None,
         queue_command: Callable[..., None] = lambda *arguments: None,
         smooth_s: float = 0.0,
@@ -70,14 +60,14 @@ class ControllerInput(ThreadedInput):
         self._make_reader = make_reader
         self._silent_s = silent_s
         self._queue_command = queue_command
-        self.counters = Counters()
+        self.counters = control.Counters()
         port = open_port()
         super().__init__(engine, source, port, port.name, smooth_s)
         self._source = ControllerSource(TouchRules.of(self._preset))
         self._reader = make_reader(self.counters)
-        self._changes: dict[str, SetParameter | ScaleParameter | StepParameter] = {}
+        self._changes: dict[str, Change] = {}
         self._changes_lock = threading.Lock()
-        self._takeovers: dict[str, SoftTakeover] = {}
+        self._takeovers: dict[str, control.SoftTakeover] = {}
         self._rejected: set[str] = set()
         self._start()
 
@@ -103,20 +93,20 @@ class ControllerInput(ThreadedInput):
                 with self._changes_lock:
                     self._changes.setdefault(id, change)
 
-    def _set(self, engine: Engine, change: SetParameter | ScaleParameter | StepParameter) -> None:
+    def _set(self, engine: Engine, change: Change) -> None:
         try:
-            parameter, present = find_parameter(engine.preset, change.id)
+            parameter, present = control.find_parameter(engine.preset, change.id)
         except InputError as error:
             if not self.counters.unknown:
                 self.say_once(f"{error} (further ones are only counted)")
             self.counters.unknown += 1
             return
-        if isinstance(change, SetParameter):
-            value = parameter.check(coerce_value(parameter, change.value))
-        elif isinstance(change, StepParameter):
-            value = stepped_value(parameter, change, present)
+        if isinstance(change, control.SetParameter):
+            value = parameter.check(control.coerce_value(parameter, change.value))
+        elif isinstance(change, control.StepParameter):
+            value = control.stepped_value(parameter, change, present)
         else:
-            takeover = self._takeovers.setdefault(change.id, SoftTakeover())
+            takeover = self._takeovers.setdefault(change.id, control.SoftTakeover())
             taken = takeover.value(engine.preset, change)
             if taken is None:
                 return
@@ -151,7 +141,7 @@ class ControllerInput(ThreadedInput):
         self._process(messages, time.monotonic())
 
     def _process(self, messages: list[bytes], now: float) -> None:
-        moves: list[tuple[float, Message]] = []
+        moves: list[tuple[float, control.Message]] = []
         for data in messages:
             time_s = getattr(data, "time_s", 0.0) or now
             moves += [(time_s, move) for move in self._reader.read(data, time_s)]
@@ -160,17 +150,17 @@ class ControllerInput(ThreadedInput):
         disk = self._writer.disk_state()
         events = []
         for time_s, move in moves:
-            if isinstance(move, AngleChanged) and not self._source.rules.by_rest:
+            if isinstance(move, control.AngleChanged) and not self._source.rules.by_rest:
                 self.say_once('a controller can\'t detect taps; set twist.release = "rest"')
-            if isinstance(move, Command):
+            if isinstance(move, control.Command):
                 self._queue_command(*move.arguments)
-            elif isinstance(move, SetParameter | ScaleParameter | StepParameter):
+            elif isinstance(move, Change):
                 with self._changes_lock:
                     before = self._changes.get(move.id)
-                    if isinstance(move, StepParameter) and isinstance(before, StepParameter):
+                    if isinstance(move, step := control.StepParameter) and isinstance(before, step):
                         move = replace(move, step=before.step + move.step)
                     self._changes[move.id] = move
-            elif isinstance(move, Scheduled):
+            elif isinstance(move, control.Scheduled):
                 found = self._source.move(move.movement, time_s, disk)
                 events += [replace(event, scheduled_s=move.time_s) for event in found]
             else:

@@ -66,11 +66,9 @@ class TakeInput(Input):
         due = int(np.searchsorted(self._stamps, horizon))
         for i in range(self._sent, min(due, self._sent + MAX_EVENTS)):
             engine.control(
-                float(self._gesture.theta2[i]),
-                bool(self._gesture.touching[i]),
-                int(self._stamps[i]),
-                SOURCES[self._gesture.source[i]],
-            )
+                float(self._gesture.theta2[i]), bool(self._gesture.touching[i]),
+                int(self._stamps[i]), SOURCES[self._gesture.source[i]],
+            )  # fmt: skip
             self._sent = i + 1
         for change in self._gesture.changes[self._changed :]:
             sample = self._start + round(change.time_s * rate)

@@ -274,13 +274,10 @@ class ThreadedInput(Messages, Input, ABC):
         """Return all counters, and how long events wait for their sample, ms."""
         median, highest = self._writer.clock.added_latency_s
         return {
-            "port": self._address,
-            "connected": self._port is not None,
-            "connections_lost": self._lost,
-            **self._source_report(),
-            "wait_p50_ms": round(1e3 * median, 2),
-            "wait_p99_ms": round(1e3 * highest, 2),
-        }
+            "port": self._address, "connected": self._port is not None,
+            "connections_lost": self._lost, **self._source_report(),
+            "wait_p50_ms": round(1e3 * median, 2), "wait_p99_ms": round(1e3 * highest, 2),
+        }  # fmt: skip
 
     @abstractmethod
     def _source_report(self) -> dict[str, Any]:

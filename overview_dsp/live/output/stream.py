@@ -107,19 +107,14 @@ def record_callback(
 def read_meters(memory: FloatArray, latency_s: float) -> StreamMeters:
     """Return counters and callback times so far."""
     w = memory.view(np.int64)
-    median, p99 = _quantile(w, 0.5), _quantile(w, 0.99)
+    median, p99 = _quantile(w, 0.5), _quantile(w, 0.99)  # upper ends of bins, above the longest
     longest = float(memory[layout.L_LONGEST])
     return StreamMeters(
-        callbacks=int(w[layout.L_CALLBACKS]),
-        frames=int(w[layout.L_FRAMES]),
-        underflows=int(w[layout.L_UNDERFLOWS]),
-        late=int(w[layout.L_LATE]),
-        load=_load(w, float(memory[layout.S_SAMPLE_RATE])),
-        median_s=min(median, longest),  # the upper end of a bin may be greater
-        p99_s=min(p99, longest),
-        longest_s=longest,
-        latency_s=latency_s,
-    )
+        callbacks=int(w[layout.L_CALLBACKS]), frames=int(w[layout.L_FRAMES]),
+        underflows=int(w[layout.L_UNDERFLOWS]), late=int(w[layout.L_LATE]),
+        load=_load(w, float(memory[layout.S_SAMPLE_RATE])), median_s=min(median, longest),
+        p99_s=min(p99, longest), longest_s=longest, latency_s=latency_s,
+    )  # fmt: skip
 
 
 def take_peaks(memory: FloatArray) -> tuple[float, float]:

@@ -52,13 +52,9 @@ class SamplePlayer:
         channels = samples.shape[1]
         try:
             self._stream: Any = self._sounddevice.OutputStream(
-                samplerate=sample_rate,
-                device=device,
-                channels=channels,
-                dtype="float32",
-                latency="low",
-                callback=self._callback,
-            )
+                samplerate=sample_rate, device=device, channels=channels, dtype="float32",
+                latency="low", callback=self._callback,
+            )  # fmt: skip
         except (self._sounddevice.PortAudioError, ValueError) as error:
             raise open_error(self._sounddevice, device, channels, sample_rate, error) from None
 

@@ -23,12 +23,9 @@ MAX_REPORTS = 64
 """Maximum number of reports per read."""
 
 KINDS = {
-    (0x054C, 0x0CE6): "dualsense",
-    (0x054C, 0x0DF2): "dualsense",
-    (0x057E, 0x2006): "joycon",
-    (0x057E, 0x2007): "joycon-right",
-    (0x057E, 0x2009): "joycon",
-}
+    (0x054C, 0x0CE6): "dualsense", (0x054C, 0x0DF2): "dualsense",
+    (0x057E, 0x2006): "joycon", (0x057E, 0x2007): "joycon-right", (0x057E, 0x2009): "joycon",
+}  # fmt: skip
 """Kind of pad by USB vendor and product."""
 
 _MOTORS_OFF = bytes.fromhex("0001404000014040")  # both motors of a Joy-Con

@@ -74,46 +74,34 @@ def _input(source: Input | None) -> dict[str, Any]:
 
 def _counts(status: Status) -> dict[str, Any]:
     return {
-        "blocks": status.stream.callbacks,
-        "late_callbacks": status.stream.late,
-        "underflows": status.stream.underflows,
-        "frames_lost": status.frames_lost,
+        "blocks": status.stream.callbacks, "late_callbacks": status.stream.late,
+        "underflows": status.stream.underflows, "frames_lost": status.frames_lost,
         "dropped_events": status.dropped,
-    }
+    }  # fmt: skip
 
 
 def _line(status: Status, click: float, tactor: float) -> dict[str, Any]:
     return {
-        "state": vars(status.state),
-        "time_s": round(status.time_s, 3),
-        "cursor": round(status.cursor, 6),
-        "touching": status.touching,
-        "torque_nm": status.torque,
-        "peak_click_dbfs": _db(click),
-        "peak_tactor_dbfs": _db(tactor),
-        **_counts(status),
+        "state": vars(status.state), "time_s": round(status.time_s, 3),
+        "cursor": round(status.cursor, 6), "touching": status.touching, "torque_nm": status.torque,
+        "peak_click_dbfs": _db(click), "peak_tactor_dbfs": _db(tactor), **_counts(status),
         **({} if status.following is None else {"following": status.following}),
-    }
+    }  # fmt: skip
 
 
 def _summary(status: Status) -> dict[str, Any]:
     return {
-        "state": vars(status.state),
-        "output": status.output,
-        "callback": status.callback,
-        "sample_rate": status.sample_rate,
-        "block_size": status.block_size,
-        "latency_ms": round(status.stream.latency_s * 1e3, 3),
-        "time_s": round(status.time_s, 3),
-        **_counts(status),
-        "frames": status.stream.frames,
+        "state": vars(status.state), "output": status.output, "callback": status.callback,
+        "sample_rate": status.sample_rate, "block_size": status.block_size,
+        "latency_ms": round(status.stream.latency_s * 1e3, 3), "time_s": round(status.time_s, 3),
+        **_counts(status), "frames": status.stream.frames,
         "dsp_load_percent": round(100.0 * status.stream.load, 2),
         "callback_p50_us": round(status.stream.median_s * 1e6, 2),
         "callback_p99_us": round(status.stream.p99_s * 1e6, 2),
         "callback_max_us": round(status.stream.longest_s * 1e6, 2),
         "actuator": protection_json(status.settings.actuator, status.protected),
         "recording": status.recording,
-    }
+    }  # fmt: skip
 
 
 def _db(peak: float) -> float | None:

@@ -296,31 +296,19 @@ class Player:
         has_actuator = output.settings.actuator is not None
         recording, updates = self.takes.recording_path, self.live_updates
         return Status(
-            state=self.state,
-            time_s=self._session.played_s,
-            cursor=meters.cursor,
-            pointer=self.pointer.position,
-            touching=meters.touching and output.playing,
+            state=self.state, time_s=self._session.played_s, cursor=meters.cursor,
+            pointer=self.pointer.position, touching=meters.touching and output.playing,
             torque=meters.torque,
             full_torque=engine.preset.number("tactor.reference_torque_mnm") * 1e-3,
-            envelope=meters.envelope,
-            strikes=meters.strikes,
-            peak_click=click,
-            peak_tactor=tactor,
-            stream=output.meters,
-            frames_lost=output.frames_lost.count,
-            dropped=self._session.dropped_events,
-            output=output.name,
-            callback=self._callback,
-            sample_rate=engine.sample_rate,
-            block_size=output.block_size,
-            settings=output.settings,
+            envelope=meters.envelope, strikes=meters.strikes, peak_click=click, peak_tactor=tactor,
+            stream=output.meters, frames_lost=output.frames_lost.count,
+            dropped=self._session.dropped_events, output=output.name, callback=self._callback,
+            sample_rate=engine.sample_rate, block_size=output.block_size, settings=output.settings,
             protected=read_protection(engine.memory, layout.L_ACTUATOR) if has_actuator else None,
-            recording=None if recording is None else str(recording),
-            replay=self.loop.status_text,
+            recording=None if recording is None else str(recording), replay=self.loop.status_text,
             following=None if updates is None else updates.status_text,
             messages=self.take_messages(),
-        )
+        )  # fmt: skip
 
     @property
     def at_rest(self) -> bool:
@@ -498,19 +486,11 @@ class OpenedPlayer:
         native = settings.callback == "native" and self._device is not None
         announce_compile("process", "callback" if native else "finish_block")
         self.player = Player(
-            timeline,
-            watch,
-            self._opener,
-            output,
-            sample_rate=settings.sample_rate or rate,
-            max_block_size=MAX_BLOCK,
-            callback="native" if native else "python",
-            record=settings.record,
-            seed=settings.seed,
-            other=other,
-            follow=settings.follow,
+            timeline, watch, self._opener, output, sample_rate=settings.sample_rate or rate,
+            max_block_size=MAX_BLOCK, callback="native" if native else "python",
+            record=settings.record, seed=settings.seed, other=other, follow=settings.follow,
             marks=settings.marks,
-        )
+        )  # fmt: skip
 
     def __enter__(self) -> Player:
         if self._window is not None:
