@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import overview_dsp as ov
-from overview_dsp.live.output import devices, reconnecting_stream
+from overview_dsp.live.output import devices, portaudio_library, reconnecting_stream
 from overview_dsp.live.output.devices import OutputDevice
 from overview_dsp.live.output.reconnecting_stream import ReconnectingStream
 from overview_dsp.live.output.settings import OutputSettings
@@ -63,7 +63,7 @@ def test_a_chosen_output_is_opened_again_under_any_number_and_never_another_one(
         return SimpleNamespace(index=1 if isinstance(device, str) else device)
 
     monkeypatch.setattr(reconnecting_stream, "OutputStream", open_one)
-    monkeypatch.setattr(reconnecting_stream, "rescan", lambda: None)
+    monkeypatch.setattr(portaudio_library, "rescan", lambda: None)
     monkeypatch.setattr(devices, "devices", lambda: present)
     monkeypatch.setattr(
         reconnecting_stream,
@@ -91,7 +91,7 @@ def test_the_default_output_is_looked_up_each_time(football, match, monkeypatch)
     monkeypatch.setattr(
         reconnecting_stream, "OutputStream", lambda engine, device, *_: opened.append(device)
     )
-    monkeypatch.setattr(reconnecting_stream, "rescan", lambda: None)
+    monkeypatch.setattr(portaudio_library, "rescan", lambda: None)
     opener = reconnecting_stream.StreamOpener(None, 256, "native")
     for _ in range(2):
         opener(ov.Engine(football, match), OutputSettings())

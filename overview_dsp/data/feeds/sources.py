@@ -12,7 +12,7 @@ import json
 import os
 import time
 from collections.abc import Callable, Generator, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, BinaryIO, Protocol
 
 import numpy as np
@@ -260,12 +260,15 @@ class Sound(Source):
     name: str
     open_blocks: Callable[[], tuple[int, int, Iterator[np.ndarray | None]]]
     close_timeout_s: float = CLOSE_TIMEOUT_S
+    _timelines: list[Timeline] = field(default_factory=list, init=False)
+    _monitor: LoudnessMonitor | None = field(default=None, init=False)
 
     def read(self) -> Iterator[Received]:
-        """Yield timelines of the whole sound so far."""
+        """Yield timelines of the whole sound so far, which continues after a loss."""
         rate, channels, blocks = self.open_blocks()
-        timelines: list[Timeline] = []
-        monitor = LoudnessMonitor(rate, channels, timelines.append)
+        timelines = self._timelines
+        monitor = self._monitor or LoudnessMonitor(rate, channels, timelines.append)
+        self._monitor = monitor
         try:
             for block in blocks:
                 if block is not None:

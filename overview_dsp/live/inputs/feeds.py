@@ -2,31 +2,24 @@
 
 from __future__ import annotations
 
+import math
 import queue
 import re
+import time
 from collections.abc import Iterator
-from contextlib import ExitStack
-from typing import BinaryIO
+from typing import Any, BinaryIO
 
 import numpy as np
 
+from overview_dsp.data.feeds import sources
 from overview_dsp.data.feeds.live_timeline import LAYOUTS, Layout
 from overview_dsp.data.feeds.network_sources import Http, WebSocket
-from overview_dsp.data.feeds.sources import (
-    DEVICE_CLOSE_TIMEOUT_S,
-    GrowingFile,
-    Sound,
-    Source,
-    Stream,
-    pcm_blocks,
-)
 from overview_dsp.data.timeline.time_parsing import length_s
 from overview_dsp.errors import InputError, OverviewError
-from overview_dsp.live.output.portaudio_library import (
-    OPEN_STREAMS,
-    device_named,
-    import_sounddevice,
-)
+from overview_dsp.live.output import portaudio_library as library
+from overview_dsp.live.output.devices import OutputDevice, listed, same_device
+from overview_dsp.live.output.reconnecting_stream import LOST_AFTER_S
+from overview_dsp.live.output.stream import FADE_WITHIN_S
 
 FORMS = (
     "a file, - (a feed on standard input), http(s)://...[,every=S], ws(s)://..., audio:DEVICE, "
@@ -34,11 +27,12 @@ FORMS = (
 )
 QUEUE_BLOCKS = 200
 """Maximum number of queued sound blocks, some seconds; blocks beyond it become a gap."""
+WAIT_S, RETRY_S = 0.2, 1.0
 
 _PCM = re.compile(r"pcm:(\d{1,6})(?::(\d{1,2}))?")
 
 
-def open_source(text: str, stdin: BinaryIO, every_s: float | None = None) -> Source:
+def open_source(text: str, stdin: BinaryIO, every_s: float | None = None) -> sources.Source:
     """Return the source of a `--follow` argument; InputError lists the allowed forms.
 
     `every_s`: interval of the requests of an http(s) URL, s.
@@ -48,14 +42,13 @@ def open_source(text: str, stdin: BinaryIO, every_s: float | None = None) -> Sou
     if not text:
         raise InputError(f"--follow is empty; must be {FORMS}")
     if text == "-":
-        return Stream(stdin)
+        return sources.Stream(stdin)
     if text.startswith(("http://", "https://")):
         return Http(text, every_s)
     if text.startswith(("ws://", "wss://")):
         return WebSocket(text)
     if text.startswith("audio:"):
-        device = text.removeprefix("audio:")
-        return Sound(text, lambda: _record_device(device), DEVICE_CLOSE_TIMEOUT_S)
+        return sources.Sound(text, SoundInput(text).open_blocks, sources.DEVICE_CLOSE_TIMEOUT_S)
     if text.startswith("pcm:"):
         found = _PCM.fullmatch(text)
         if found is None:
@@ -63,54 +56,125 @@ def open_source(text: str, stdin: BinaryIO, every_s: float | None = None) -> Sou
                 f"--follow {text} must be pcm:RATE or pcm:RATE:CHANNELS, such as pcm:48000:2"
             )
         rate, channels = int(found[1]), int(found[2] or 1)
-        return Sound(text, lambda: pcm_blocks(stdin, rate, channels))
-    return GrowingFile(text)
+        return sources.Sound(text, lambda: sources.pcm_blocks(stdin, rate, channels))
+    return sources.GrowingFile(text)
 
 
-def _record_device(device: str) -> tuple[int, int, Iterator[np.ndarray | None]]:
-    """Return rate, channels and blocks of an audio input, by name or number; "" is the default."""
-    try:
-        sounddevice = import_sounddevice()
-    except OverviewError as error:
-        raise InputError(f"audio:{device}: {error}") from None
-    selected = device_named(device or None)
-    try:
-        info = sounddevice.query_devices(selected, "input")
-    except (ValueError, sounddevice.PortAudioError) as error:
-        raise InputError(f"audio:{device}: {error}; `overview devices` lists devices") from None
-    rate, channels = round(info["default_samplerate"]), min(2, info["max_input_channels"])
-    recorded: queue.Queue[tuple[np.ndarray, int]] = queue.Queue(QUEUE_BLOCKS)
-    missed = 0  # frames before the next block that is queued
+class SoundInput:
+    """Audio input `audio:DEVICE`, by default the system's, which is opened again after a loss.
 
-    def put(block: np.ndarray, frames: int, time: object, status: object) -> None:
-        nonlocal missed
-        try:
-            recorded.put_nowait((block.copy(), missed))
-            missed = 0
-        except queue.Full:
-            missed += frames
+    A chosen input is never replaced by another one. Missed frames are NaN. Thread: the feed's.
+    """
 
-    def blocks() -> Iterator[np.ndarray | None]:
-        try:
-            stream = sounddevice.InputStream(
-                rate, device=selected, channels=channels, dtype="float32", callback=put
+    def __init__(self, name: str) -> None:
+        self._selected = library.device_named(name.removeprefix("audio:") or None)
+        self._known: OutputDevice | None = None
+        self._stream: Any = None
+        self._name, self._lost, self._heard_at = name, False, 0.0
+
+    def open_blocks(self) -> tuple[int, int, Iterator[np.ndarray | None]]:
+        """Return rate, channels, and blocks that end with a `LostError`; InputError."""
+        if self._known is None:
+            try:
+                sounddevice = library.import_sounddevice()
+                index = sounddevice.query_devices(self._selected, "input")["index"]
+            except OverviewError as error:
+                raise InputError(f"{self._name}: {error}") from None
+            except (ValueError, sounddevice.PortAudioError) as error:
+                raise InputError(
+                    f"{self._name}: {error}; `overview devices` lists devices"
+                ) from None
+            self._known = next(one for one in listed("input") if one.index == index)
+            self._waits_for_server = "JACK" in self._known.host
+            self._rate, self._channels = (
+                round(self._known.sample_rate),
+                min(2, self._known.channels),
             )
-        except sounddevice.PortAudioError as error:
-            raise OverviewError(f"audio:{device}: {error}") from None
-        with stream, ExitStack() as stack:
-            OPEN_STREAMS.add(stream)  # a search for devices would end it
-            stack.callback(OPEN_STREAMS.discard, stream)
-            while stream.active:
+        return self._rate, self._channels, self._blocks(self._known)
+
+    @property
+    def active(self) -> bool:
+        """State of the stream: True while it records."""
+        with library.LIBRARY_LOCK:  # a search may replace the library
+            return self._stream is not None and bool(self._stream.active)
+
+    def _open(self, known: OutputDevice) -> None:
+        sounddevice, selected = library.import_sounddevice(), self._selected
+        recorded = self._recorded = queue.Queue[tuple[np.ndarray, int]](QUEUE_BLOCKS)
+        missed = 0  # frames before the next block that is queued
+
+        def put(block: np.ndarray, frames: int, time: object, status: object) -> None:
+            nonlocal missed
+            try:
+                recorded.put_nowait((block.copy(), missed))
+                missed = 0
+            except queue.Full:
+                missed += frames
+
+        with library.LIBRARY_LOCK:
+            if self._lost:
+                library.rescan()
+                if selected is not None:
+                    selected = same_device(known, "input").index
+            try:
+                stream = sounddevice.InputStream(
+                    self._rate, device=selected, channels=self._channels, dtype="float32",
+                    callback=put,
+                )  # fmt: skip
+                stream.start()
+            except (ValueError, sounddevice.PortAudioError) as error:
+                raise OverviewError(f"{self._name}: {error}") from None
+            self._stream = stream
+            library.OPEN_STREAMS.add(self)  # a search for devices would end it
+
+    def _blocks(self, known: OutputDevice) -> Iterator[np.ndarray | None]:
+        while self._stream is None:
+            try:
+                self._open(known)
+            except OverviewError:
+                if not self._lost:
+                    raise
+                for _ in range(round(RETRY_S / WAIT_S)):
+                    time.sleep(WAIT_S)
+                    yield None
+        silent_s = -math.inf  # before the first block
+        try:
+            while self.active and silent_s < LOST_AFTER_S:
                 try:
-                    block, lost = recorded.get(timeout=0.2)
+                    block, missed = self._recorded.get(timeout=WAIT_S)
                 except queue.Empty:
+                    silent_s += WAIT_S
                     yield None
                     continue
-                if lost:
-                    yield np.full((lost, channels), np.nan, np.float32)
+                silent_s, now = 0.0, time.monotonic()
+                if self._lost:
+                    missed = round((now - self._heard_at) * self._rate) - len(block)
+                self._lost, self._heard_at = False, now
+                for first in range(0, missed, self._rate):
+                    shape = min(missed - first, self._rate), self._channels
+                    yield np.full(shape, np.nan, np.float32)
                 yield block
+        except GeneratorExit:
+            self.close()
+            raise
+        self._lost = True
+        if self._waits_for_server and self.active:  # it continues with its server
+            raise sources.LostError("its server doesn't respond")
+        self.close()
+        raise sources.LostError("disconnected")
 
-    return rate, channels, blocks()
+    def close(self) -> None:
+        """End the stream, except that of a server that doesn't respond: that would wait for it."""
+        with library.LIBRARY_LOCK:
+            library.OPEN_STREAMS.discard(self)
+            stream, self._stream = self._stream, None
+            self._recorded.queue.clear()
+            try:
+                if self._waits_for_server:
+                    self._recorded.get(timeout=FADE_WITHIN_S)
+                stream.close()
+            except queue.Empty:
+                library.ABANDONED.append(stream)
 
 
 def parse_duration(text: str) -> float:

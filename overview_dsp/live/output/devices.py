@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal
 
 from overview_dsp.errors import InputError
 from overview_dsp.live.output.portaudio_library import PAD, import_sounddevice, platform_hint
 from overview_dsp.live.output.settings import file_requiring, is_pad
 
+Kind = Literal["input", "output"]
 _CARD = re.compile(r"\(hw:\d+(,\d+)*\)")
 
 
@@ -72,22 +73,22 @@ def devices() -> list[OutputDevice]:
     >>> [device.name for device in ov.live.devices()]  # doctest: +SKIP
     ['HDA Intel PCH: ALC257', 'default']
     """
+    return listed("output")
+
+
+def listed(kind: Kind) -> list[OutputDevice]:
+    """Return the audio outputs, or the inputs in the same form."""
     sounddevice = import_sounddevice()
     hosts = sounddevice.query_hostapis()
-    chosen = sounddevice.default.device[1]
+    chosen = sounddevice.default.device[kind == "output"]
     return [
         OutputDevice(
-            index=device["index"],
-            name=device["name"],
-            host=hosts[device["hostapi"]]["name"],
-            channels=device["max_output_channels"],
-            sample_rate=device["default_samplerate"],
-            latency_s=device["default_low_output_latency"],
-            default=device["index"] == chosen,
+            one["index"], one["name"], hosts[one["hostapi"]]["name"], one[f"max_{kind}_channels"],
+            one["default_samplerate"], one[f"default_low_{kind}_latency"], one["index"] == chosen,
         )
-        for device in sounddevice.query_devices()
-        if device["max_output_channels"] > 0
-    ]
+        for one in sounddevice.query_devices()
+        if one[f"max_{kind}_channels"] > 0
+    ]  # fmt: skip
 
 
 def find_device(device: int | str | None) -> OutputDevice:
@@ -127,19 +128,19 @@ def find_device(device: int | str | None) -> OutputDevice:
     return next(output for output in devices() if output.index == found["index"])
 
 
-def same_device(known: OutputDevice) -> OutputDevice:
-    """Return the present output with the host and name of one that was open.
+def same_device(known: OutputDevice, kind: Kind = "output") -> OutputDevice:
+    """Return the present output or input with the host and name of one that was open.
 
     ALSA's names contain the number of the card, which may change. Of several such outputs the one
     with the same name and the nearest index is returned. InputError: there is none.
     """
     found = [
         one
-        for one in devices()
+        for one in (devices() if kind == "output" else listed(kind))
         if one.host == known.host and _CARD.sub("", one.name) == _CARD.sub("", known.name)
     ]
     if not found:
-        raise InputError(f"output {known.full_name} is not there; connect it again")
+        raise InputError(f"{kind} {known.full_name} is not there; connect it again")
     return min(found, key=lambda one: (one.name != known.name, abs(one.index - known.index)))
 
 

@@ -13,6 +13,7 @@ import os
 import shutil
 import sys
 import tempfile
+import threading
 from ctypes.util import find_library
 from functools import cache
 from typing import Any, Literal
@@ -49,6 +50,12 @@ _with_jack: list[ctypes.CDLL] = []
 
 OPEN_STREAMS: set[Any] = set()
 """Open streams. They must outlive every other reference, because PortAudio calls them."""
+
+ABANDONED: list[Any] = []
+"""Streams of JACK servers that don't respond; a frozen server may call them later."""
+
+LIBRARY_LOCK = threading.RLock()
+"""Lock for a search for devices, opening and closing; a feed records in a thread of its own."""
 
 _HINTS = load_toml(__file__, "hints.toml")
 
@@ -134,7 +141,7 @@ def rescan() -> None:
     lives = client is not None and jack.has_client(client)
     if client is not None and not lives:
         _abandon_library(sounddevice)
-    else:
+    elif not OPEN_STREAMS:
         sounddevice._terminate()
         sounddevice._initialize()
     if not lives and _has_jack(sounddevice):

@@ -18,32 +18,17 @@ from numpy.typing import NDArray
 from overview_dsp import validation
 from overview_dsp.errors import InputError, OverviewError
 from overview_dsp.kernels import layout
-from overview_dsp.live.output import jack
+from overview_dsp.live.output import jack, stream
+from overview_dsp.live.output import portaudio_library as library
 from overview_dsp.live.output.devices import find_device, first_line, open_error
-from overview_dsp.live.output.portaudio_library import (
-    OPEN_STREAMS,
-    PAD,
-    client_name,
-    import_sounddevice,
-)
 from overview_dsp.live.output.settings import OutputSettings
-from overview_dsp.live.output.stream import (
-    FADE_WITHIN_S,
-    Stream,
-    compile_python_path,
-    connect,
-    run_block,
-    undo_fade,
-)
 from overview_dsp.public import short
 from overview_dsp.signal.engine.engine import Engine
 
 CallbackKind = Literal["native", "python"]
-_ABANDONED: list[OutputStream] = []
-"""Streams of JACK servers that don't respond; a frozen server may call them later."""
 
 
-class OutputStream(Stream):
+class OutputStream(stream.Stream):
     """A stream that plays an engine through PortAudio, at the engine's sample rate.
 
     While it is open, only its audio thread calls the engine's `process`. The control thread may
@@ -98,7 +83,7 @@ class OutputStream(Stream):
     ) -> None:
         from overview_dsp.kernels.device.callback import native_callback
 
-        sounddevice = import_sounddevice()
+        sounddevice = library.import_sounddevice()
         engine.sample_time  # noqa: B018 - raises NotPreparedError
         if callback not in ("native", "python"):
             raise InputError(f"callback {callback!r} is unknown; must be native or python")
@@ -109,20 +94,16 @@ class OutputStream(Stream):
         self.callback: CallbackKind = callback
         self.block_size = validation.whole(block_size, "block_size", least=0)
         self._started = False
-        if device == PAD:
+        if device == library.PAD:
             device = find_device(device).index
-        channels = connect(engine, settings)
+        channels = stream.connect(engine, settings)
         keywords: dict[str, Any] = {
-            "samplerate": engine.sample_rate,
-            "blocksize": block_size,
-            "device": device,
-            "channels": channels,
-            "dtype": "float32",
-            "latency": latency,
-        }
+            "samplerate": engine.sample_rate, "blocksize": block_size, "device": device,
+            "channels": channels, "dtype": "float32", "latency": latency,
+        }  # fmt: skip
         make = sounddevice.OutputStream
         if callback == "python":
-            compile_python_path(engine)
+            stream.compile_python_path(engine)
             keywords["callback"] = self._python_callback
         else:
             make, ffi = partial(sounddevice._StreamBase, "output"), sounddevice._ffi
@@ -138,24 +119,24 @@ class OutputStream(Stream):
             self._stream = make(**keywords)
         except (sounddevice.PortAudioError, ValueError) as error:
             raise open_error(sounddevice, device, channels, engine.sample_rate, error) from None
-        OPEN_STREAMS.add(self)
+        library.OPEN_STREAMS.add(self)
 
     def _python_callback(
         self, out: NDArray[np.float32], frames: int, when: Any, status: Any
     ) -> None:
-        if run_block(self._engine, out, bool(status.output_underflow)):
+        if stream.run_block(self._engine, out, bool(status.output_underflow)):
             raise self._sounddevice.CallbackStop
 
     def _start(self) -> None:
         with self._named_errors():
             self._stream.start()
         self._started = True
-        if self.connections is not None and (client := client_name()) is not None:
+        if self.connections is not None and (client := library.client_name()) is not None:
             self.missing_connections = jack.connect(client, self.connections)
 
     def _stop(self) -> None:
         if not self._fade_out():
-            undo_fade(self._memory)
+            stream.undo_fade(self._memory)
             raise OverviewError(f"output {self.name} doesn't respond")
         self._keep_connections()
         with self._named_errors():
@@ -173,25 +154,27 @@ class OutputStream(Stream):
     def _fade_out(self) -> bool:
         """Fade out; return whether the stream has ended by itself, as of a device that responds."""
         self._w[layout.L_STOP] = 1
-        until = time.monotonic() + FADE_WITHIN_S
+        until = time.monotonic() + stream.FADE_WITHIN_S
         while self._stream.active and time.monotonic() < until:
             time.sleep(0.002)
         return bool(self._w[layout.L_FADED] >= self._w[layout.S_GLIDE])
 
     def _close(self) -> None:
-        if self not in OPEN_STREAMS:
+        if self not in library.OPEN_STREAMS:
             return
-        OPEN_STREAMS.discard(self)
-        if not self._fade_out() and self._started and self.waits_for_server:
-            # closing would wait for the server for ten minutes
-            _ABANDONED.append(self)
-        else:
-            self._keep_connections()
-            self._stream.close()
+        with library.LIBRARY_LOCK:
+            library.OPEN_STREAMS.discard(self)
+            if not self._fade_out() and self._started and self.waits_for_server:
+                # closing would wait for the server for ten minutes
+                library.ABANDONED.append(self)
+            else:
+                self._keep_connections()
+                self._stream.close()
 
     def _keep_connections(self) -> None:
         """Read the connections, before PortAudio stops and undoes them."""
-        if self._started and self.waits_for_server and (client := client_name()) is not None:
+        client = library.client_name() if self._started and self.waits_for_server else None
+        if client is not None:
             self.connections = jack.connections(client) or None
 
     @property

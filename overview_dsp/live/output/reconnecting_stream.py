@@ -7,9 +7,9 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
 from overview_dsp.errors import InputError, OverviewError
+from overview_dsp.live.output import portaudio_library as library
 from overview_dsp.live.output.devices import OutputDevice, find_device, same_device
 from overview_dsp.live.output.jack import Connections
-from overview_dsp.live.output.portaudio_library import PAD, SILENT, device_named, rescan
 from overview_dsp.live.output.portaudio_stream import CallbackKind, OutputStream
 from overview_dsp.live.output.settings import OutputSettings
 from overview_dsp.live.output.stream import FADE_WITHIN_S, NullStream, Stream, StreamMeters
@@ -48,16 +48,18 @@ class StreamOpener:
 
     def __call__(self, engine: Engine, settings: OutputSettings) -> Stream:
         """Open a stream for an engine; errors as in `OutputStream`."""
-        if self.device == SILENT:
+        if self.device == library.SILENT:
             return NullStream(engine, self.block_size or 256, settings)
-        if self.rescans:
-            rescan()
-        self.rescans = True
-        known = self._known
-        device = device_named(self.device) if known is None else same_device(known).index
-        stream = OutputStream(engine, device, self.block_size, settings, self.callback)
-        if self.device not in (None, PAD):
-            self._known = find_device(stream.index)
+        with library.LIBRARY_LOCK:
+            if self.rescans:
+                library.rescan()
+            self.rescans = True
+            known, device = self._known, library.device_named(self.device)
+            if known is not None:
+                device = same_device(known).index
+            stream = OutputStream(engine, device, self.block_size, settings, self.callback)
+            if self.device not in (None, library.PAD):
+                self._known = find_device(stream.index)
         return stream
 
 
