@@ -86,10 +86,8 @@ class SoundInput:
                 ) from None
             self._known = next(one for one in listed("input") if one.index == index)
             self._waits_for_server = "JACK" in self._known.host
-            self._rate, self._channels = (
-                round(self._known.sample_rate),
-                min(2, self._known.channels),
-            )
+            self._rate = round(self._known.sample_rate)
+            self._channels = min(2, self._known.channels)
         return self._rate, self._channels, self._blocks(self._known)
 
     @property
