@@ -27,7 +27,7 @@ BUILD_INFO = "build_info.json"
 """File in the bundle with a digest of the sources and the versions of the tools."""
 
 ENTRIES = ["main.js", "processor.js"]
-STANDALONE = ["worker.js", "embed.js", "style.css"]
+STANDALONE = ["worker.js", "embed.js", "style.css", "served.css", "gallery.css"]
 """Files that import no module."""
 
 CONFIG = f"""
@@ -50,7 +50,8 @@ export default {{
 
 def sources() -> dict[str, bytes]:
     """Return the source files of the bundle by name."""
-    files = [*WEB.glob("*.js"), *(WEB / "site").glob("*.js"), WEB / "site" / "style.css"]
+    site = WEB / "site"
+    files = [*WEB.glob("*.js"), *site.glob("*.js"), *site.glob("*.css")]
     return {file.name: file.read_bytes() for file in sorted(files, key=lambda file: file.name)}
 
 

@@ -35,8 +35,8 @@ START = "index.html"
 FOLDER_ONLY = "worker.js"
 """Service worker for offline use of a static folder."""
 
-SERVER_ONLY = "served.js"
-"""Features that need a server; loaded after the picture is drawn."""
+OTHER_PAGES = ("served.js", "served.css", "gallery.css")
+"""Features that need a server, loaded after the picture is drawn, and the gallery's style."""
 
 LIVE_ONLY = "live.js"
 """Script for a live timeline."""
@@ -58,7 +58,7 @@ def page_files() -> dict[str, bytes]:
 
 def folder_files(*, live: bool) -> dict[str, bytes]:
     """Return the files of a static folder by their path; `live`: for a live timeline."""
-    excluded = (SERVER_ONLY,) if live else (SERVER_ONLY, LIVE_ONLY)
+    excluded = OTHER_PAGES if live else (*OTHER_PAGES, LIVE_ONLY)
     return {name: file for name, file in page_files().items() if name not in excluded}
 
 

@@ -143,7 +143,7 @@ def write_site(
 GALLERY_FILE = "gallery.txt"
 """File that marks a gallery folder; it lists the subfolders, one per line."""
 
-_GALLERY_FILES = ("style.css", "icon.svg", "icon-192.png")
+_GALLERY_FILES = ("style.css", "gallery.css", "icon.svg", "icon-192.png")
 _GALLERY_TITLE = "Timelines to feel"
 _MAX_NAME = 48
 

@@ -8,7 +8,7 @@ import { numberText } from "./values.js";
 
 /** @import { Info, View } from "../types" */
 
-const STEPS = 6; // sizes of the style sheet, `data-fit`
+const STEPS = 6; // sizes of the style sheet: `data-fit` names a step and those before it
 const LEAST = 150; // minimum height (px) of the picture
 const LABELLED = [90, 40]; // and with its labels, for text of 0 and of each 16 px
 const SHARE = 0.45; // of the window's height that the picture has before the title gives way
@@ -74,7 +74,7 @@ export function fit(view, info, isResized = true) {
   byId("clock").textContent = found.clock;
   byId("unit").textContent = found.unit;
   for (let step = 0; step < STEPS; step += 1) {
-    root.dataset.fit = String(step);
+    root.dataset.fit = "012345".slice(0, step + 1);
     root.style.removeProperty("--reading");
     let height = 0;
     let isCut = false;

@@ -30,6 +30,9 @@ export class Served {
    */
   constructor(page, media, pages, host) {
     this.page = page;
+    const style = document.createElement("link");
+    Object.assign(style, { rel: "stylesheet", href: new URL("served.css", import.meta.url).href });
+    document.head.append(style);
     this.film = media && new MediaPlayer(media);
     this.editor = new PresetEditor((before, after, surface) => page.changePreset(before, after, surface), page.input);
     byId("play").hidden = byId("watch").hidden = this.film === null;
