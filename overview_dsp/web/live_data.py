@@ -222,6 +222,7 @@ class LiveData:
                 "rate": rate,
                 "info": {
                     "title": timeline.title,
+                    "sides": timeline.sides,
                     "duration_s": timeline.duration_s,
                     "kinds": kind_styles(timeline, preset),
                     "notes": list(timeline.notes),

@@ -4,7 +4,7 @@
 
     {"title", "preset", "duration_s", "start": "2012-09-19T09:30:00" or null,
      "series": {"unit", "decimals", "complete", "has_times"}, null without values,
-     "reference_torque": N m, "rates": [44100, 48000],
+     "reference_torque": N m, "rates": [44100, 48000], "sides": names of two teams or [],
      "kinds": {"goal": {"name": "goal", "shape": "circle", "colour": "blue", "count": 6,
                         "pattern": [on ms, off ms, on ms]}, ...},
      "provenance", "notes": [...], "windows": [{"level", "start_s", "end_s"}, ...],
@@ -18,7 +18,7 @@
      "level": [COLUMNS numbers 0 to 1, null without data], "band": null or [minimum, maximum] of
         the levels of each column,
      "gaps": [[from, to], ...], "now": position up to which data are known, or null,
-     "events": [{"position", "time_s", "kind", "label", "value" of a series}, ...],
+     "events": [{"position", "time_s", "kind", "label", "value" of a series, "side"}, ...],
      "strike_events": [index in "events" of each strike number, or -1],
      "scale": [value at level 0, difference to the value at level 1]}
 
@@ -284,6 +284,7 @@ def timeline_json(
     """Return ``data/timeline.json``."""
     return {
         "title": timeline.title,
+        "sides": timeline.sides,
         "preset": preset.name,
         "duration_s": timeline.duration_s,
         "start": None if timeline.start is None else timeline.start.isoformat(),
@@ -300,20 +301,16 @@ def timeline_json(
 def window_json(timeline: Timeline, surface: Surface, start_s: float) -> dict[str, Any]:
     """Return ``data/window-N.json`` of a window that begins at `start_s` of the whole timeline."""
     angle_map = surface.angle_map
-    map_points = {
-        "time_s": (start_s + angle_map.time_s).tolist(),
-        "position": angle_map.position.tolist(),
-    }
+    times, positions = start_s + angle_map.time_s, angle_map.position
+    map_points = {"time_s": times.tolist(), "position": positions.tolist()}
     curve = drawn_curve(timeline, angle_map, COLUMNS)
     until_s = timeline.known_until_s
     now = None if until_s is None else float(angle_map.position_of(until_s))
+    future = [] if now is None else [[now, 1.0]]
     return {
         "angle_map": None if angle_map.is_linear else map_points,
         **curve,
-        "gaps": [
-            *(angle_map.position_of(gap).tolist() for gap in timeline.gaps),
-            *([[now, 1.0]] if now is not None else []),
-        ],
+        "gaps": [angle_map.position_of(gap).tolist() for gap in timeline.gaps] + future,
         "now": now,
         "events": [
             {
@@ -322,6 +319,7 @@ def window_json(timeline: Timeline, surface: Surface, start_s: float) -> dict[st
                 "kind": event.kind,
                 "label": event.display_label,
                 **({} if value is None else {"value": value}),
+                **({"side": event.side} if event.side else {}),
             }
             for position, event, value in zip(
                 angle_map.events.tolist(), timeline.events, event_values(timeline), strict=True

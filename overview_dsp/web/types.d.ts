@@ -10,9 +10,10 @@ export interface TimelineEvent {
   label: string;
   /** Value of a series at the event. */
   value?: number;
-  /** Score after a goal, and the team (1 or 2) that scored; `scores.js` sets them. */
-  score?: string;
+  /** Team, 1 or 2; of a goal the one that scored. */
   side?: number;
+  /** Score after a goal; `scores.js` sets it. */
+  score?: string;
 }
 
 /** An event kind: name, mark, number of events, and vibration pattern (ms on, off, ...). */
@@ -95,6 +96,8 @@ export interface Server {
 /** Data that hold for all windows. */
 export interface Info {
   title: string;
+  /** Names of both teams, or none. */
+  sides: string[];
   preset: string;
   duration_s: number;
   start: string | null;
@@ -133,7 +136,7 @@ export interface Notice {
 
 /** Contents of a live timeline's new version, shown as the whole timeline. */
 export interface NewVersion {
-  info: Pick<Info, "title" | "duration_s" | "kinds" | "notes" | "series">;
+  info: Pick<Info, "title" | "sides" | "duration_s" | "kinds" | "notes" | "series">;
   view: Omit<View, keyof Part | "points">;
 }
 
@@ -265,8 +268,9 @@ export interface Geometry {
   bottom: number;
   /** Radius of the disk. */
   radius: number;
-  /** y of the lane of marks, and of the groove's middle. */
-  lane: number;
+  /** y of the lanes of marks: none of a series, one, or one for each team. */
+  lanes: number[];
+  /** y of the groove's middle. */
   groove: number;
   dial: Disk | null;
   still: boolean;
@@ -275,10 +279,12 @@ export interface Geometry {
   position(x: number): number;
 }
 
-/** Mark of an event kind: shape, colour by its name, and whether only the outline is drawn. */
+/** Mark of an event kind: shape, colours by name, and whether only the outline is drawn. */
 export interface Mark {
   shape: string;
   colour: string;
+  /** Colour of the rim, if it isn't the paper's. */
+  rim?: string;
   isRing: boolean;
 }
 

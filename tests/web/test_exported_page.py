@@ -551,11 +551,12 @@ def test_moments_and_places_of_a_page_are_those_of_the_surface(opened, match, sp
     assert "time is stretched" in page.text_content("#about")
 
 
-def test_the_names_of_a_match_stand_beside_the_marks_of_their_goals(opened, match):
+def test_the_names_of_a_match_stand_beside_the_marks_of_their_goals(opened):
     page = opened
-    assert page.text_content("#title") == match.title
+    assert page.text_content("#title") == "France 4–2 Croatia"
+    assert page.text_content("#window") == "World Cup final, Moscow, 15 July 2018"
     parts = "[...document.getElementById('title').childNodes].map((one) => one.textContent)"
-    assert [one.strip() for one in page.evaluate(parts)[:4]] == ["", "France", "4-2", ""]
+    assert [one.strip() for one in page.evaluate(parts)[:4]] == ["", "France", "4–2", ""]
     colour = "getComputedStyle(document.querySelectorAll('#title svg')[{}].firstChild).fill"
     assert page.evaluate(colour.format(0)) != page.evaluate(colour.format(1))
 

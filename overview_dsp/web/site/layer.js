@@ -19,8 +19,11 @@ const AWAY = 17; // distance (px) of a mark from the curve
 const CLOSE = 6; // distance (px) below which marks of a kind become a band
 const RARE = 12; // events of a kind whose marks are always drawn
 const BAND = 4; // px of a bar of the band
+const TALLEST = 6; // px that a bar of the band has more for a number of events
 const GROOVE = 9; // half height
 const MANY = 200; // events of a kind that would hide the curve, such as heartbeats
+const NEAR = 11; // distance (px) from a mark of a rarer kind at which frequent kinds are left out
+const COMMON = 1.35; // a circle or hexagon of goals is larger than that of other kinds
 const TALL = 600; // width (px) of a picture with larger marks
 const LABELLED = 60; // height of a curve whose extremes are named
 const BELOW = new Set(["lowest", "trough", "record_low", "largest_fall", "crossing_down"]);
@@ -285,8 +288,11 @@ export function rareKinds(counts, room) {
   return new Set(rising.filter(([, count]) => (sum += count) <= room || count <= RARE).map(([kind]) => kind));
 }
 
+/** Return whether neither values nor a preset give a curve. @param {View} view */
+const isFlat = ({ level }) => level.every((one) => !one);
+
 /**
- * Return the place of an event's mark: in the lane above the curve, or near the curve of a series.
+ * Return the place of an event's mark: in its team's lane above the curve, or near the curve of a series.
  * @param {Geometry} g
  * @param {View} view
  * @param {Info} info
@@ -295,20 +301,24 @@ export function rareKinds(counts, room) {
  */
 export function markPoint(g, view, info, event) {
   const x = g.x(event.position);
-  if (!info.series) return [x, g.lane];
+  if (!info.series) {
+    const { lanes } = g;
+    const middle = (lanes[0] + lanes[lanes.length - 1]) / 2;
+    return [x, event.side ? lanes[event.side - 1] ?? middle : middle];
+  }
   const y = g.y(markLevel(view, event)) + (BELOW.has(event.kind) ? AWAY : -AWAY);
-  return [x, Math.min(Math.max(y, 8), g.bottom - 6)];
+  return [x, Math.min(Math.max(y, 8), g.bottom - 14)]; // above the band
 }
 
 /** @param {Scene} scene */
 function drawEvents(scene) {
   const { c, g, view, info, colours, hidden } = scene;
-  if (!info.series && view.events.length > 0) {
+  const size = g.width >= TALL ? 8 : 6.5;
+  if (!isFlat(view) || view.events.length < MANY) {
     c.strokeStyle = colours.line;
     c.lineWidth = 2;
-    drawLine(c, [g.left, g.lane], [g.right, g.lane]);
+    for (const y of g.lanes) drawLine(c, [g.left, y], [g.right, y]);
   }
-  const size = g.width >= TALL ? 8 : 6.5;
   const counts = new Map();
   for (const { kind } of view.events) counts.set(kind, (counts.get(kind) ?? 0) + 1);
   const rare = rareKinds(counts, (g.right - g.left) / 2 / CLOSE);
@@ -316,27 +326,73 @@ function drawEvents(scene) {
   const band = [];
   /** @type {Record<string, number>} */
   const lastX = {};
-  /** @type {[number, () => void][]} */
-  const marks = []; // each with the count of its kind; the rarest are above all others
+  /** @type {{ x: number, y: number, rank: number, draw: () => void }[]} */
+  const marks = []; // `rank`: the count of its kind; the rarest are above all others
   for (const event of view.events) {
     const { kind, side } = event;
     if (hidden.has(kind)) continue;
     const [x, y] = markPoint(g, view, info, event);
     const isMain = isGoal(event) || EXTREMES.has(kind);
-    const group = rare.has(kind) ? kind : "";
+    const group = `${rare.has(kind) ? kind : ""} ${y}`;
     const { count, shape } = info.kinds[kind];
-    const isDetail = counts.get(kind) > MANY || (count === 0 && (!group || shape === "bar"));
+    const isDetail = counts.get(kind) > MANY || (count === 0 && (!rare.has(kind) || shape === "bar"))
+      || (info.series && shape === "bar"); // ticks of time stand on the axis
     if (!isMain && (isDetail || x - (lastX[group] ?? -CLOSE) < CLOSE)) {
       band.push(x);
       continue;
     }
     lastX[group] = x;
+    if (shape === "bar" && g.lanes.length > 1) {
+      drawPart(scene, event, x);
+      continue;
+    }
     const mark = markOf(kind, info.kinds[kind], side);
-    marks.push([isMain ? 0 : counts.get(kind), () => drawKind(c, mark, x, y, size, colours)]);
+    const round = !isMain && (shape === "circle" || shape === "hexagon");
+    marks.push({
+      x, y, rank: isMain ? 0 : counts.get(kind),
+      draw: () => drawKind(c, mark, x, y, round ? size / COMMON : size, colours),
+    });
   }
-  drawBand(scene, band);
-  for (const [, draw] of marks.sort(([a], [b]) => b - a)) draw();
+  if (isFlat(view) && band.length > 0) drawDensity(scene, band);
+  else drawBand(scene, band);
+  marks.sort((a, b) => b.rank - a.rank);
+  /** @param {{ x: number, y: number, rank: number }} mark */
+  const isHidden = ({ x, y, rank }) => rank > RARE
+    && marks.some((one) => one.rank < rank && one.y === y && Math.abs(one.x - x) < NEAR);
+  for (const mark of marks) if (info.series || !isHidden(mark)) mark.draw();
   drawLabels(scene);
+}
+
+/**
+ * Draw a line through the picture where a part of a match begins or ends, with its name within the match.
+ * @param {Scene} scene
+ * @param {TimelineEvent} event
+ * @param {number} x
+ */
+function drawPart(scene, { position, label }, x) {
+  const { c, g, colours } = scene;
+  c.strokeStyle = colours.edge;
+  c.lineWidth = 1.5;
+  drawLine(c, [x, g.lanes[0] - 7], [x, g.lanes[1] + 7]);
+  if (position < 0.02 || position > 0.98) return;
+  c.lineWidth = 1;
+  for (let y = g.top + (g.radius < 20 ? 0 : 16 * g.em); y < g.bottom; y += 6) drawLine(c, [x, y], [x, y + 1.5]);
+  if (g.radius < 20) return; // a low picture
+  c.font = fontOf(g);
+  c.textAlign = "center";
+  c.textBaseline = "alphabetic";
+  const half = c.measureText(label).width / 2;
+  drawText(scene, label, Math.min(Math.max(x, half + 2), g.width - half - 2), g.top + 10 * g.em, "soft");
+}
+
+/**
+ * Return the numbers of events for every 4 px, in order, as pairs of the left edge (px) and the number.
+ * @param {number[]} band
+ */
+function densityOf(band) {
+  const counts = new Map();
+  for (const x of band) counts.set(Math.floor(x / BAND), (counts.get(Math.floor(x / BAND)) ?? 0) + 1);
+  return [...counts].sort(([a], [b]) => a - b).map(([at, count]) => [at * BAND, count]);
 }
 
 /**
@@ -345,15 +401,13 @@ function drawEvents(scene) {
  * @param {number[]} band
  */
 function drawBand({ c, g, info, colours }, band) {
-  if (band.length === 0) return;
-  const counts = new Map();
-  for (const x of band) counts.set(Math.floor(x / BAND), (counts.get(Math.floor(x / BAND)) ?? 0) + 1);
-  const most = Math.max(...counts.values());
-  const y = info.series ? g.bottom : g.lane + 7;
+  const counts = densityOf(band);
+  const most = Math.max(...counts.map(([, count]) => count));
+  const y = info.series ? g.bottom : g.lanes[0] + 7;
   c.beginPath();
-  for (const [at, count] of counts) {
-    c.moveTo(at * BAND + BAND / 2, y);
-    c.lineTo(at * BAND + BAND / 2, y - 4 - (10 * count) / most);
+  for (const [x, count] of counts) {
+    c.moveTo(x + BAND / 2, y);
+    c.lineTo(x + BAND / 2, y - 3 - (TALLEST * count) / most);
   }
   c.strokeStyle = colours.edge;
   c.lineWidth = BAND - 1;
@@ -361,7 +415,37 @@ function drawBand({ c, g, info, colours }, band) {
 }
 
 /**
- * Draw the score above each goal (without a score its label), the last goals first, and names and values of
+ * Draw the number of events in place of a curve, where there is none.
+ * @param {Scene} scene
+ * @param {number[]} band
+ */
+function drawDensity({ c, g, colours }, band) {
+  const counts = densityOf(band);
+  const most = Math.max(...counts.map(([, count]) => count));
+  const tall = 0.9 * (g.bottom - g.top);
+  let end = counts[0][0];
+  c.beginPath();
+  c.moveTo(end, g.bottom);
+  for (const [x, count] of counts) {
+    if (x > end) {
+      c.lineTo(end, g.bottom);
+      c.lineTo(x, g.bottom);
+    }
+    end = x + BAND;
+    const y = g.bottom - (tall * count) / most;
+    c.lineTo(x, y);
+    c.lineTo(end, y);
+  }
+  c.lineTo(end, g.bottom);
+  c.fillStyle = colours.fill;
+  c.fill();
+  c.strokeStyle = colours.ahead;
+  c.lineWidth = 1.5;
+  c.stroke();
+}
+
+/**
+ * Draw the score outside of the lane of each goal (without a score its label), the last goals first, and names and values of
  * the extremes of a series, where there is room.
  * @param {Scene} scene
  */
@@ -384,7 +468,8 @@ function drawLabels(scene) {
     const half = c.measureText(text).width / 2;
     const beside = x > (g.left + g.right) / 2 ? x - half - 14 : x + half + 14;
     const middle = Math.min(Math.max(isExtreme ? beside : x, half + 2), g.right - half);
-    const line = isExtreme ? Math.min(Math.max(y + 4 * g.em, 11 * g.em), g.bottom - 3) : g.lane - 13;
+    const outside = g.lanes.length > 1 && y === g.lanes[1] ? y + 13 + 9 * g.em : g.lanes[0] - 13;
+    const line = isExtreme ? Math.min(Math.max(y + 4 * g.em, 11 * g.em), g.bottom - 10) : outside;
     const isTaken = taken.some(([from, to, at]) =>
       middle + half + 4 > from && middle - half - 4 < to && Math.abs(at - line) < 14 * g.em);
     if (isTaken || half * 2 > g.right - g.left) continue;

@@ -3,6 +3,7 @@
 import { byId } from "./dom.js";
 import { drawKind, markOf } from "./marks.js";
 import { COLOURS } from "./picture.js";
+import { titleParts } from "./scores.js";
 import { SvgContext } from "./svg.js";
 
 /** @import { Info, Kind, Mark, View } from "../types" */
@@ -16,7 +17,10 @@ const SIZE = 20; // px of a mark
  */
 export const listedKinds = (info) => Object.entries(info.kinds)
   .filter(([, kind]) => kind.count > 0 || kind.shape !== "bar")
-  .sort(([, a], [, b]) => Number(a.shape === "bar") - Number(b.shape === "bar"));
+  .sort(([, a], [, b]) => rankOf(a) - rankOf(b));
+
+/** Kinds that only a window has come last, before ticks of time. @param {Kind} kind */
+const rankOf = ({ shape, count }) => (shape === "bar" ? 2 : Number(count === 0));
 
 /** @param {Kind} kind */
 const nameOf = ({ name }) => name.charAt(0).toUpperCase() + name.slice(1);
@@ -56,14 +60,14 @@ export function chipsOf(info, hidden, toggle) {
 }
 
 /**
- * Show a title; the names of a match ("A 2-1 B") stand beside the marks of their goals.
- * @param {string} title
- * @param {View} whole the whole timeline
+ * Show the title; the names of a match stand beside the marks of their goals, and what follows below.
+ * @param {Info} info
  */
-export function showTitle(title, whole) {
-  const names = whole.events.some(({ side }) => side) && title.match(/^(.+?)( \d+-\d+ )(.+)$/);
+export function showTitle(info) {
+  const parts = titleParts(info);
   const [one, two] = ["one", "two"].map((colour, i) => markIcon({ shape: "circle", colour, isRing: i === 1 }));
-  byId("title").replaceChildren(...(names ? [one, names[1], names[2], two, names[3]] : [title]));
+  const between = parts?.between.replace(/(\d)-(?=\d)/, "$1\u2013") ?? "";
+  byId("title").replaceChildren(...(parts ? [one, parts.one, between, two, parts.two] : [info.title]));
 }
 
 /** Hide the chips that have no room beside the picture; the list of events has them all. */

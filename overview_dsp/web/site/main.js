@@ -18,7 +18,7 @@ async function start() {
   byId("title").textContent = byId("more-title").textContent = info.title;
   document.title = `${info.title}: overView`;
   const view = await data.view(firstPart(info));
-  showTitle(info.title, data.whole ?? view);
+  showTitle(info);
   fit(view, info);
   const picture = new Picture(byId("canvas"), info, view);
   const { begin } = await import("./page.js");

@@ -100,6 +100,8 @@ const COLOURS = {
   crossing_down: "two",
 };
 
+const CARDS = new Set(["card", "red"]);
+
 /**
  * Return the mark of an event kind; `side` is the team (1 or 2), if it is known.
  * @param {string} id
@@ -109,7 +111,9 @@ const COLOURS = {
  */
 export function markOf(id, { shape }, side) {
   const own = COLOURS[id] ?? "ink";
-  return { shape, colour: side ? ["one", "two"][side - 1] : own, isRing: side === 2 };
+  const team = side ? ["one", "two"][side - 1] : null;
+  if (CARDS.has(own)) return { shape, colour: own, rim: team ?? "ink", isRing: false };
+  return { shape, colour: team ?? own, isRing: side === 2 };
 }
 
 /**
@@ -121,13 +125,12 @@ export function markOf(id, { shape }, side) {
  * @param {number} size
  * @param {Record<string, string>} colours
  */
-export function drawKind(path, { shape, colour, isRing }, x, y, size, colours) {
-  const isCard = colour === "card" || colour === "red";
+export function drawKind(path, { shape, colour, rim = "paper", isRing }, x, y, size, colours) {
   if (isOpen(shape)) drawMark(path, shape, x, y, size, colours[colour], colours.paper);
-  else if (!isRing) drawMark(path, shape, x, y, size, colours[colour], isCard ? colours.ink : colours.paper);
+  else if (!isRing) drawMark(path, shape, x, y, size, colours[colour], colours[rim]);
   else {
     drawMark(path, shape, x, y, size, colours[colour], colours.paper);
-    drawMark(path, shape, x, y, size * 0.6, colours.paper, colours.paper);
+    drawMark(path, shape, x, y, size * (shape === "circle" ? 0.6 : 0.45), colours.paper, colours.paper);
     if (shape === "circle") drawMark(path, shape, x, y, size * 0.3, colours[colour], colours[colour]);
   }
 }

@@ -10,6 +10,7 @@ import { levelAt } from "./layer.js";
 const NAMES = /** @type {const} */ ([
   "cursor", "dot", "ring", "finger", "pull", "disk", "needle", "torque", "passed", "passed-curve",
 ]);
+const LEAST = 1e-3; // position of a disk that was moved
 const PULL = 100; // width (px) of the spring's drawing
 const ARC = 34; // length of the arc at the reference torque, of 100 around the disk
 
@@ -18,6 +19,7 @@ export class Moving {
     this.parts = Object.fromEntries(NAMES.map((name) => [name, byId(name)]));
     /** @type {Map<string, unknown>} */
     this.set = new Map(); // last values, to set only changes
+    this.wasTouched = false; // before a touch nothing is read out
   }
 
   /**
@@ -55,14 +57,16 @@ export class Moving {
     const [level, inputLevel] = [levelAt(view, cursor), levelAt(view, input)];
     this.put("cursor", `translateX(${to.toFixed(1)}px)`);
     this.put("dot", `translate(${to.toFixed(1)}px, ${g.y(inputLevel ?? 0).toFixed(1)}px)`);
-    this.setVisible("dot", inputLevel !== null);
+    this.wasTouched ||= touching || cursor > LEAST;
+    this.setVisible("cursor", this.wasTouched);
+    this.setVisible("dot", this.wasTouched && inputLevel !== null);
     this.put("passed", `translateX(${x.toFixed(1)}px)`);
     this.put("passed-curve", `translateX(${(g.width - x).toFixed(1)}px)`);
     if (this.set.get("touching") !== touching) {
       this.set.set("touching", touching);
       byId("stage").classList.toggle("released", !touching);
     }
-    this.setVisible("finger", touching || input > 0);
+    this.setVisible("finger", touching || (this.wasTouched && input > 0));
     this.put("finger", `translateX(${to.toFixed(1)}px)`);
     this.setVisible("pull", touching && !g.still && g.dial === null);
     if (g.still) return;

@@ -309,7 +309,7 @@ export class Page {
   showAbout() {
     showAbout(byId("about"), this.info, this.view);
     showLegend(byId("marks"), this.info);
-    showTitle(this.info.title, this.strip.whole);
+    showTitle(this.info);
     const focused = /** @type {HTMLElement | null} */ (document.activeElement)?.dataset.kind;
     const chips = chipsOf(this.info, this.picture.hidden, (kind) => this.toggleKind(kind));
     byId("legend").replaceChildren(...chips.map((chip) => {

@@ -62,10 +62,11 @@ export class Picture {
     const em = textSize();
     const { view, still, circular } = this;
     const isSeries = this.info.series !== null;
+    const hasSides = view.events.some(({ side }) => side);
     /** @type {Geometry} */
     this.geometry = geometryOf({
       width, height, em, still, circular, figures: isSeries ? this.figuresWidth(height, em) : 0,
-      lanes: !isSeries && view.events.length > 0,
+      lanes: isSeries || view.events.length === 0 ? 0 : 1 + Number(this.info.sides.length > 0 || hasSides),
     });
     this.moving.layOut(this.geometry);
     this.redraw();

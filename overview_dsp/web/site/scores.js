@@ -1,6 +1,7 @@
-// Scores of a match, which the labels of its goals begin with ("1-0 Parris"), on the whole timeline.
+// Scores of a match on the whole timeline, by the sides of its goals, or else by the labels of the goals, which
+// then begin with the score ("1-0 Parris").
 
-/** @import { TimelineEvent, View } from "../types" */
+/** @import { Info, TimelineEvent, View } from "../types" */
 
 const GOALS = new Set(["goal", "own_goal"]);
 const SCORE = /^(\d+)-(\d+)(?!\S)/;
@@ -9,12 +10,20 @@ const SCORE = /^(\d+)-(\d+)(?!\S)/;
 export const isGoal = ({ kind }) => GOALS.has(kind);
 
 /**
- * Set the score after each goal of a whole timeline, and the side (1 or 2) of the team that scored.
+ * Set the score after each goal of a whole timeline, and the side of goals without sides.
  * @param {TimelineEvent[]} events
  */
 export function setScores(events) {
   let before = [0, 0];
-  for (const event of events.filter(isGoal)) {
+  const goals = events.filter(isGoal);
+  if (goals.length > 0 && goals.every(({ side }) => side)) {
+    for (const event of goals) {
+      before[Number(event.side) - 1] += 1;
+      event.score = before.join("\u2013");
+    }
+    return;
+  }
+  for (const event of goals) {
     const after = event.label.match(SCORE)?.slice(1).map(Number);
     if (!after) continue;
     event.score = after.join("\u2013");
@@ -45,3 +54,14 @@ export function copyScores(view, whole) {
  * @param {TimelineEvent} b
  */
 export const isSameEvent = (a, b) => a.kind === b.kind && a.label === b.label && Math.abs(a.time_s - b.time_s) < 1e-6;
+
+/**
+ * Return the parts of a match's title, "A 2-1 B, final": both names, what is between them, and what follows;
+ * null without a match.
+ * @param {Pick<Info, "title" | "sides">} info
+ */
+export function titleParts({ title, sides: [one, two] }) {
+  const at = two ? title.indexOf(two, one.length) : -1;
+  if (at < 0 || !title.startsWith(one)) return null;
+  return { one, two, between: title.slice(one.length, at), rest: title.slice(at + two.length).replace(/^[\s,:;]+/, "") };
+}

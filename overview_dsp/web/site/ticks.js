@@ -36,7 +36,7 @@ export function ticksOf(view, info, fits) {
   /** @type {[number, () => Tick[]][]} */
   const steps = start === null
     ? [
-      ...STEPS_S.map((step) => even(step, (at) => momentText(at, info))),
+      ...STEPS_S.map((step) => even(step, (at) => elapsedText(at, step, info))),
       ...ROUND.slice(0, 8).map((days) => even(days * DAY_S, (at) => DAYS_LONG.format(at / DAY_S))),
       ...ROUND.map((years) => even(years * YEAR_S, (at) => YEARS_LONG.format(at / YEAR_S))),
     ]
@@ -57,6 +57,17 @@ export function ticksOf(view, info, fits) {
     before = ticks;
   }
   return before;
+}
+
+/**
+ * Return the time (s) since the start in whole minutes or hours, or with its seconds.
+ * @param {number} at
+ * @param {number} step s
+ * @param {Info} info
+ */
+function elapsedText(at, step, info) {
+  if (step % 3600 === 0 && info.duration_s >= 3 * 3600) return `${at / 3600} h`;
+  return step % 60 === 0 && info.duration_s < 3 * 3600 ? `${at / 60}\u2032` : momentText(at, info);
 }
 
 /**

@@ -2,6 +2,7 @@
 
 import { positionAt, secondsAt } from "./angle_map.js";
 import { byId } from "./dom.js";
+import { titleParts } from "./scores.js";
 import { lastLevel, partAround, neighbourPart, partBetween, partOf } from "./windows.js";
 import { eventAt, momentText } from "./descriptions.js";
 
@@ -203,8 +204,8 @@ export class ViewState {
   updateControls() {
     const { windows, view } = this;
     const { info } = this.data;
-    byId("window").textContent =
-      `${momentText(view.start_s, info)} to ${momentText(view.end_s, info)}`;
+    const rest = view.zoom === 0 && info.start === null && titleParts(info)?.rest;
+    byId("window").textContent = rest || `${momentText(view.start_s, info)} to ${momentText(view.end_s, info)}`;
     // not `disabled`: the button keeps the focus and reports that there is no more detail
     byId("in").setAttribute("aria-disabled", String(view.zoom >= lastLevel(windows)));
   }

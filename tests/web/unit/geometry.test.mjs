@@ -3,7 +3,7 @@ import test from "node:test";
 import { angleOf, geometryOf, isOnDial, positionTurned } from "../../../overview_dsp/web/site/geometry.js";
 
 const PICTURES = [[320, 180], [375, 340], [390, 570], [421, 170], [667, 210], [844, 240], [768, 800], [1440, 650]]
-  .flatMap(([width, height]) => [1, 1.5, 2].flatMap((em) => [false, true].flatMap((lanes) => [false, true].map((circular) =>
+  .flatMap(([width, height]) => [1, 1.5, 2].flatMap((em) => [0, 1, 2].flatMap((lanes) => [false, true].map((circular) =>
     ({ width, height, em, lanes, circular, still: false, figures: lanes ? 0 : 20 * em })))));
 const LAID_OUT = PICTURES.map((picture) => [JSON.stringify(picture), geometryOf(picture)]);
 const POSITIONS = Array.from({ length: 101 }, (_, i) => i / 100);
@@ -17,16 +17,19 @@ test("pixels and positions are inverse, and what lies beside the curve is at its
 
 test("the levels are between the top and the axis, with room for marks below the curve of a series", () => {
   for (const [name, g] of LAID_OUT) {
-    const isSeries = JSON.parse(name).lanes === false;
+    const isSeries = JSON.parse(name).lanes === 0;
     assert.ok(isSeries ? g.y(0) < g.bottom : g.y(0) === g.bottom, name);
     assert.ok(g.y(1) > g.top && g.y(1) < g.y(0), name);
   }
 });
 
 test("curve, lane, groove, disk, labels and dial lie in the picture", () => {
-  for (const [name, { left, right, top, bottom, em, width, height, radius, groove, lane, dial }] of LAID_OUT) {
+  for (const [name, { left, right, top, bottom, em, width, height, radius, groove, lanes, dial }] of LAID_OUT) {
     assert.ok(left - radius >= 0 && right + radius <= width && right - left > 0.5 * width, name);
-    assert.ok(lane > 0 && top > lane && bottom - top >= 30, name);
+    assert.equal(lanes.length > 0, JSON.parse(name).lanes > 0, name);
+    if (height > 400) assert.equal(lanes.length, JSON.parse(name).lanes, name);
+    [0, ...lanes, top].reduce((before, y) => (assert.ok(y > before, name), y));
+    assert.ok(bottom - top >= 30, name);
     assert.ok(groove - radius >= bottom && groove + radius + Math.round(18 * em) <= height + 6, name);
     if (dial) assert.ok(dial.y - dial.radius >= top && dial.y + dial.radius <= bottom, name);
   }

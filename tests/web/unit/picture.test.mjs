@@ -147,7 +147,7 @@ test("ticks are at round times and at the beginnings of years, as many as have r
   const fits = (most) => (_, count) => count <= most;
   const match = { start: null, duration_s: 5880, series: null };
   const view = { start_s: 0, end_s: 5880 };
-  assert.deepEqual(ticksOf(view, match, fits(4)).map(({ text }) => text), ["0:00", "30:00", "60:00", "90:00"]);
+  assert.deepEqual(ticksOf(view, match, fits(4)).map(({ text }) => text), ["0\u2032", "30\u2032", "60\u2032", "90\u2032"]);
   const price = { start: "2000-03-01T00:00:00", duration_s: 4000 * 86400, series: { has_times: false } };
   const days = { start_s: 0, end_s: 4000 * 86400 };
   assert.deepEqual(ticksOf(days, price, fits(6)).map(({ text }) => text), ["2002", "2004", "2006", "2008", "2010"]);

@@ -1,7 +1,8 @@
 import assert from "node:assert/strict";
 import test from "node:test";
 import { scoreAt } from "../../../overview_dsp/web/site/descriptions.js";
-import { copyScores, setScores } from "../../../overview_dsp/web/site/scores.js";
+import { markOf } from "../../../overview_dsp/web/site/marks.js";
+import { copyScores, setScores, titleParts } from "../../../overview_dsp/web/site/scores.js";
 
 /** @type {(labels: string[], kind?: string) => any[]} */
 const eventsOf = (labels, kind = "goal") => labels.map((label, i) => ({ kind, label, time_s: 60 * i, position: i / 10 }));
@@ -11,6 +12,28 @@ test("the side of a goal is that of the score that it changes", () => {
   setScores(events);
   assert.deepEqual(events.map(({ side }) => side), [undefined, 1, 2, undefined, 1, undefined, 2]);
   assert.equal(events[6].score, "2\u20132");
+});
+
+test("the score is counted by the sides of goals, whatever their labels are", () => {
+  const goals = eventsOf(["Parris", "9-9 White", ""]).map((goal, i) => ({ ...goal, side: [1, 2, 1][i] }));
+  const events = [...goals, ...eventsOf(["card"], "yellow_card").map((card) => ({ ...card, side: 2 }))];
+  setScores(events);
+  assert.deepEqual(events.map(({ score }) => score), ["1\u20130", "1\u20131", "2\u20131", undefined]);
+  assert.deepEqual(events.map(({ side }) => side), [1, 2, 1, 2]);
+});
+
+test("the title of a match has its teams, what is between them, and what follows", () => {
+  const sides = ["France", "Croatia"];
+  const parts = (title) => titleParts({ title, sides });
+  assert.deepEqual(parts("France 4-2 Croatia, final"), { one: "France", two: "Croatia", between: " 4-2 ", rest: "final" });
+  assert.equal(parts("France v Croatia")?.rest, "");
+  assert.equal(parts("The final"), null);
+  assert.equal(titleParts({ title: "France", sides: [] }), null);
+});
+
+test("a card keeps its colour and has the rim of its team", () => {
+  assert.deepEqual(markOf("yellow_card", { shape: "card" }, 2), { shape: "card", colour: "card", rim: "two", isRing: false });
+  assert.deepEqual(markOf("foul", { shape: "cross" }, 1), { shape: "cross", colour: "one", isRing: false });
 });
 
 test("only a goal has a score", () => {
