@@ -1,4 +1,7 @@
-"""Render the page's PNG icons from its SVG icon: `python tools/draw_icons.py` (needs Chromium and Pillow)."""
+"""Render the page's PNG icons from its SVG icon: `python tools/draw_icons.py`.
+
+The script needs Chromium and Pillow.
+"""
 
 from __future__ import annotations
 

@@ -188,13 +188,15 @@ export interface AudioBackend {
   clock: Clock;
   /** Whether it reports states of the disk. */
   readonly running: boolean;
+  /** Whether there is no sound output: the disk then follows the input. */
+  readonly isSilent: boolean;
   /** Whether a touch will be heard. */
   readonly ready: boolean;
   /** Sample rate of its changes, Hz; 0 for a host, which makes its own. */
   readonly rate: number;
   load(): Promise<void>;
   start(): void;
-  /** Wait until the output runs. */
+  /** Wait until the output runs, or none has started. */
   resume(): Promise<void>;
   control(position: number, touching: boolean, sample: number): void;
   route(output: string): void;
@@ -205,6 +207,7 @@ export interface AudioBackend {
   /** Return the disk's state; null before there is one. */
   readState(): Promise<DiskState | null>;
   onstate(sounds: boolean): void;
+  onsilence(): void;
   setName(name: string): void;
 }
 

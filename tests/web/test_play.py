@@ -50,20 +50,26 @@ def test_play_sweeps_by_itself_pauses_and_goes_on(chromium, site):
         assert page.text_content("#fault") == ""
 
 
-def test_play_says_what_it_waits_for_where_nothing_sounds(chromium, site):
+def test_a_page_without_a_sound_output_says_so_and_its_disk_moves(chromium, site):
     with cold(chromium, site) as page:
-        page.evaluate("""() => {
+        page.evaluate("""async () => {
             const { context } = overview.sound;
+            await context.suspend(); // it may run before a touch
             const resume = context.resume.bind(context);
             const output = new Promise((there) => { window.plug = there; });
             context.resume = () => output.then(resume);
         }""")
         page.click("#run")
         until(page, "document.getElementById('fault').textContent.includes('no sound output')")
-        assert page.evaluate("overview.input.active") is None
-        page.evaluate("plug()")
         until(page, "p.input.active === 'play' && p.cursor > 0.05")
-        assert page.text_content("#fault") == ""
+        page.click("#run")
+        until(page, "p.input.active === null && p.cursor < 0.01")
+        page.mouse.move(*at(page, 0.5))
+        page.mouse.down()  # it follows a finger, too
+        until(page, "Math.abs(p.cursor - 0.5) < 0.01")
+        page.evaluate("plug()")
+        until(page, "document.getElementById('fault').textContent === ''")
+        until(page, "p.meters?.clock > 0 && Math.abs(p.cursor - 0.5) < 0.01")
 
 
 def test_a_finger_takes_the_disk_from_play(chromium, site):
@@ -227,4 +233,27 @@ def test_picture_and_words_are_there_before_the_sound(chromium, site):
         assert page.evaluate("overview.sound.node") is None
         held[0].continue_()
         until(page, "p.meters?.touching === 1 && Math.abs(p.cursor - 0.4) < 0.01")
+        context.close()
+
+
+def test_buttons_wait_for_the_data_and_a_failed_start_offers_another(chromium, site):
+    with opened_host(site) as host:
+        context = chromium.new_context(viewport=PHONE)
+        page = context.new_page()
+        held: list = []
+        page.route("**/data/timeline.json", lambda route: held.append(route))
+        page.goto(host.url)
+        while not held:
+            page.wait_for_timeout(20)
+        buttons = page.locator("nav button")
+        assert all(buttons.nth(i).is_disabled() for i in range(buttons.count()))
+        assert "Loading" in page.text_content("#hint")
+        page.route("**/data/timeline.json", lambda route: route.abort())
+        held[0].abort()
+        again = page.get_by_role("button", name="Try again")
+        again.wait_for()
+        page.unroute("**/data/timeline.json")
+        again.click()
+        until(page, "p.view && p.isStarted === false")
+        assert all(buttons.nth(i).is_enabled() for i in range(buttons.count()))
         context.close()

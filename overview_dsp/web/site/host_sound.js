@@ -21,6 +21,8 @@ export class HostSound {
     /** Called with the other inputs that touch: [{ name, position, active }]. */
     this.onothers = ignore;
     this.onstate = ignore;
+    this.onsilence = () => {};
+    this.isSilent = false;
     this.others = "[]";
     this.linkText = "connecting";
     this.link = new Link({

@@ -108,6 +108,7 @@ export function listen(page) {
     page.strip.draw();
     page.wake();
   });
+  for (const button of document.querySelectorAll("nav button")) button.removeAttribute("disabled");
   return new EventList(page.info, navigation, {
     go: (event) => page.goToEvent(event), watch, hidden: page.picture.hidden, toggle: (kind) => page.toggleKind(kind),
   });

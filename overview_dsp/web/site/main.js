@@ -9,7 +9,14 @@ import { firstPart } from "./windows.js";
 
 // not awaited: later imports need this script to have ended
 start().catch((error) => {
-  byId("fault").textContent = `The page can't start: ${error.message}`;
+  const again = document.createElement("button");
+  again.textContent = "Try again";
+  again.addEventListener("click", () => location.reload());
+  const reason = navigator.onLine ? error.message
+    : "there is no network, and this device has not stored the page";
+  byId("fault").classList.add("link");
+  byId("fault").replaceChildren(`The timeline did not load: ${reason}. `, again);
+  byId("hint").hidden = true;
 });
 
 async function start() {

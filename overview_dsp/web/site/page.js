@@ -33,6 +33,9 @@ import { eventAt, eventPassed, eventText } from "./descriptions.js";
 /** @import { Picture } from "./picture.js" */
 /** @import { Served } from "./served.js" */
 
+const SILENT = "This browser has no sound output: the disk moves in silence, without friction.";
+const SILENT_SHOWN_MS = 10_000;
+
 export class Page {
   /**
    * @param {Data} data
@@ -80,6 +83,11 @@ export class Page {
     this.isStarted = false;
     this.hasSounded = this.interrupted = false;
     sound.onstate = (isRunning) => this.onSoundState(isRunning);
+    sound.onsilence = () => {
+      this.fault(SILENT);
+      setTimeout(() => this.endSilence(), SILENT_SHOWN_MS);
+      this.wake();
+    };
     /** Called for each passed event. @type {(event: TimelineEvent) => void} */
     this.onenter = () => {};
     /** Called at each frame. */
@@ -104,10 +112,11 @@ export class Page {
 
   /** Load the sound, show that it loads, then follow the URL. */
   async load() {
-    const hint = [...byId("hint-text").childNodes];
-    byId("hint-text").replaceChildren("Loading…");
     await this.sound.load();
-    byId("hint-text").replaceChildren(...hint);
+    const more = document.createElement("span");
+    more.className = "wide";
+    more.textContent = " to feel it";
+    byId("hint-text").replaceChildren("Drag here", more);
     if (this.info.live) {
       const { Live } = await import("./live.js");
       this.live = new Live(this, this.info.live);
@@ -234,6 +243,7 @@ export class Page {
   onSoundState(isRunning) {
     if (isRunning) {
       if (this.interrupted) this.fault("");
+      this.endSilence();
     } else if (this.hasSounded) {
       this.pause();
       this.fault("the sound was interrupted: touch to continue");
@@ -241,6 +251,11 @@ export class Page {
     this.interrupted = this.hasSounded && !isRunning;
     this.hasSounded ||= isRunning;
     this.wake();
+  }
+
+  /** Remove the message, which lies over the marks. */
+  endSilence() {
+    if (byId("fault").textContent === SILENT) this.fault("");
   }
 
   pause() {
@@ -374,7 +389,7 @@ export class Page {
     this.cursor = Math.min(Math.max(state.cursor, 0), 1);
     this.frames.setAtRest(this.input.active === null && state.cursor < 1e-4 && state.envelope < 1e-4);
     const { events, strike_events: strikeEvents } = this.view;
-    const passed = this.atHost
+    const passed = this.atHost || this.sound.isSilent
       ? [eventPassed(this.view, before, this.cursor)]
       : state.newStrikes.map(({ event }) => events[strikeEvents[event] ?? -1]);
     this.announce(passed.filter((one) => !!one), state.peakTactor);

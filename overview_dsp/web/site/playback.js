@@ -12,7 +12,8 @@ import { accessToken, openSession } from "./session.js";
 
 const LOOPBACK = /^(localhost|127\..*|\[::1\])$/;
 const SHARED_MS = 3000;
-const SILENT_MS = 2000; // longer than a working sound output needs to start
+const PLAY = "M8 5v14l11-7z"; // icons, as in index.html
+const PAUSE = "M7 5h3v14H7zM14 5h3v14h-3z";
 
 export class Playback {
   /** @param {Page} page */
@@ -22,7 +23,7 @@ export class Playback {
     this.linkedGesture = null; // gesture of the URL
     this.player = new Player(page.input, (sweep, isEnd) => {
       byId("run-text").textContent = sweep ? "Pause" : "Play";
-      byId("run").classList.toggle("playing", sweep !== null);
+      byId("run").querySelector("path")?.setAttribute("d", sweep ? PAUSE : PLAY);
       const stopped = isEnd ? "Ended" : "Paused";
       page.announcer.say(sweep ? `Playing, ${sweep.seconds} seconds` : stopped);
       page.wake();
@@ -44,20 +45,13 @@ export class Playback {
   }
 
   /**
-   * Run an action once the sound runs, so that no sound is lost.
+   * Run an action once the sound runs, so that no sound is lost, or once it is known that nothing will sound.
    * @param {() => void} act
    */
   async whenReady(act) {
     const { sound } = this.page;
     await sound.load();
-    let isReported = false;
-    const timer = setTimeout(() => {
-      isReported = true;
-      this.page.fault("this browser has no sound output yet; playback starts when it has");
-    }, SILENT_MS);
     await sound.resume();
-    clearTimeout(timer);
-    if (isReported) this.page.fault("");
     this.page.wake();
     act();
   }

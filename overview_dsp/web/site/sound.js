@@ -9,6 +9,8 @@ import { openKernel } from "./kernel_node.js";
 /** @import { Data } from "./data.js" */
 
 const GLIDE_S = 0.02;
+const SILENT_MS = 2000; // longer than a working sound output needs to start
+const FOLLOW = 0.25; // part of the way that a disk without sound moves in a frame
 
 // per output: gains of click and tactor to the left and right channel
 /** @type {Record<string, Record<string, [number, number]>>} */
@@ -36,8 +38,13 @@ export class Sound {
     }
     /** Called when the sound starts, and when another program interrupts it. */
     this.onstate = /** @type {(sounds: boolean) => void} */ (() => {});
+    /** Called when no sound output starts. */
+    this.onsilence = () => {};
+    this.isSilent = false; // whether no output has started: the disk then follows the input
     this.context.addEventListener("statechange", () => {
-      this.onstate(this.context.state === "running");
+      const isRunning = this.context.state === "running";
+      if (isRunning) this.endSilence();
+      this.onstate(isRunning);
     });
     this.clock = new SampleClock(this.context.sampleRate);
     /** @type {KernelNode | null} */
@@ -45,8 +52,10 @@ export class Sound {
     this.output = "ears";
     /** @type {[number, number]} */
     this.gain = [1, 1]; // of click and tactor
-    /** @type {number | null} */
-    this.heldPosition = null; // position of a touch before the kernel is loaded
+    this.held = { position: 0, touching: false }; // the last touch
+    this.cursor = 0; // position of a disk without sound
+    /** @type {Promise<void> | null} */
+    this.silence = null; // settled once it is known whether an output starts
     /** @type {Promise<void> | null} */
     this.loaded = null; // set once loading has begun
   }
@@ -78,17 +87,37 @@ export class Sound {
     this.node = node;
     this.route(this.output, true);
     this.volume(...this.gain);
-    if (this.heldPosition !== null) this.control(this.heldPosition, true, -1);
+    if (this.held.touching) this.control(this.held.position, true, -1);
   }
 
   /** Start the sound; browsers allow that only in a touch, a key press or a click. */
   start() {
-    if (this.context.state !== "running") this.context.resume();
+    if (this.context.state === "running") return;
+    this.context.resume();
+    this.silence ??= this.awaitSilence();
   }
 
-  /** Wait until the output runs. */
-  resume() {
-    return this.context.resume();
+  /** Wait until it is known whether an output starts. */
+  async awaitSilence() {
+    await this.load();
+    await new Promise((resolve) => setTimeout(resolve, SILENT_MS));
+    this.isSilent = this.context.state !== "running";
+    if (this.isSilent) this.onsilence();
+    else this.silence = null;
+  }
+
+  /** An output has started. */
+  endSilence() {
+    this.silence = null;
+    if (!this.isSilent) return;
+    this.isSilent = false;
+    this.control(this.held.position, this.held.touching, -1);
+  }
+
+  /** Wait until the output runs, or none has started. */
+  async resume() {
+    this.start();
+    await Promise.race([this.context.resume(), this.silence]);
   }
 
   get rate() {
@@ -100,7 +129,7 @@ export class Sound {
   }
 
   get running() {
-    return this.node !== null && this.context.state === "running";
+    return this.node !== null && (this.context.state === "running" || this.isSilent);
   }
 
   setName() {}
@@ -111,8 +140,8 @@ export class Sound {
    * @param {number} sample
    */
   control(position, touching, sample) {
-    if (this.node === null) this.heldPosition = touching ? position : null;
-    else this.node.control(position * Math.PI, touching, "touch", sample);
+    this.held = { position, touching };
+    if (!this.isSilent) this.node?.control(position * Math.PI, touching, "touch", sample);
   }
 
   /**
@@ -176,6 +205,11 @@ export class Sound {
    */
   async readState() {
     if (this.node === null) return null;
+    if (this.isSilent) {
+      const { position, touching } = this.held;
+      this.cursor += FOLLOW * ((touching ? position : 0) - this.cursor);
+      return { cursor: this.cursor, touching: Number(touching), torque: 0, envelope: 0, newStrikes: [] };
+    }
     const state = await this.node.readState();
     this.clock.addReading(state.clock, performance.now());
     return state;
