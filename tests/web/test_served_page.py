@@ -400,8 +400,8 @@ def test_a_tap_on_a_mark_its_button_in_the_list_and_a_key_watch_it(
         x, y = tab.evaluate("""() => {
             const { picture, view } = overview;
             const goal = view.events.find(({ label }) => label.startsWith("4-1"));
-            const { x, lane } = picture.geometry;
-            return [picture.left + x(goal.position), picture.top + lane];
+            const { x, lanes } = picture.geometry;
+            return [picture.left + x(goal.position), picture.top + lanes[0]];
         }""")
         tab.touchscreen.tap(x, y)
         watched(tab)
