@@ -1,11 +1,9 @@
 // Description of the data in the settings.
 
 import { listedKinds } from "./legend.js";
+import { SAME_MARKS, STRETCHED } from "./page_words.js";
 
 /** @import { Info, View } from "../types" */
-
-const STRETCHED = "Spans of the groove last equally long: where they are wider, time is stretched to separate "
-  + "close events";
 
 /**
  * Fill `about` with sentences on the data.
@@ -15,7 +13,7 @@ const STRETCHED = "Spans of the groove last equally long: where they are wider, 
  */
 export function showAbout(about, info, view) {
   const shapes = listedKinds(info).map(([, { shape }]) => shape);
-  const shared = new Set(shapes).size < shapes.length ? "Some kinds have the same mark" : "";
+  const shared = new Set(shapes).size < shapes.length ? SAME_MARKS : "";
   const axis = view.angle_map ? STRETCHED : "";
   about.textContent = [info.provenance, ...info.notes, axis, shared].filter(Boolean).join(". ");
 }

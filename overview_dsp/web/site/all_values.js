@@ -3,6 +3,8 @@
 import { byId } from "./dom.js";
 import { momentText, shortEvent } from "./descriptions.js";
 import { valueText } from "./values.js";
+import { THINNED } from "./page_words.js";
+import { fromTo } from "./words.js";
 
 /** @import { Info, View } from "../types" */
 
@@ -77,8 +79,8 @@ export class AllValues {
     byId("values-download").download = `${info.title.replace(/[^\p{L}\p{N}]+/gu, "-")}.csv`;
     const isThinned = info.series !== null && !info.series.complete;
     byId("values-note").textContent = `${this.rows.length} rows, `
-      + `${momentText(view.start_s, info)} to ${momentText(view.end_s, info)}`
-      + (isThinned ? "; only some of the values, with all extremes: zoom in for more" : "");
+      + fromTo(momentText(view.start_s, info), momentText(view.end_s, info))
+      + (isThinned ? THINNED : "");
     this.sort("time_s", 1);
     byId("values").showModal();
     byId("values-title").focus();

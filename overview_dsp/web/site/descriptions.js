@@ -2,6 +2,7 @@
 
 import { positionAt, secondsAt } from "./angle_map.js";
 import { nearestPoint, numberText, rangeOf, valueText } from "./values.js";
+import { begins, fromTo, NO_DATA, range } from "./words.js";
 
 const TOLERANCE = 0.004; // distance (0 to 1) at which a position is at an event, without a picture
 export const EXACT = 1e-9; // distance (0 to 1) that only rounding causes
@@ -96,7 +97,7 @@ function plainLabel(label) {
  */
 export function shortEvent({ kind, label }, info) {
   const words = info.kinds[kind]?.name ?? kind;
-  if (info.start && CALENDAR.has(kind)) return `${words} begins`;
+  if (info.start && CALENDAR.has(kind)) return begins(words);
   if (LABEL_ALONE.has(kind)) return plainLabel(label) || words;
   if (FOUND.has(kind)) {
     const change = label.match(/^[-+][\d.]+( %)?/)?.[0];
@@ -170,7 +171,7 @@ export function positionText(view, position, info, withValue = true) {
   if (point && (withValue || isAtPoint(view, position))) {
     return [valueText(point.value, info), spokenMoment(point.time_s, info), ...texts].join(", ");
   }
-  const state = isGap ? "no data" : texts.length === 0 && scoreAt(view, at);
+  const state = isGap ? NO_DATA.toLowerCase() : texts.length === 0 && scoreAt(view, at);
   return [spokenMoment(moment, info), state, ...texts].filter(Boolean).join(", ");
 }
 
@@ -181,7 +182,7 @@ export function positionText(view, position, info, withValue = true) {
  * @param {Info} info
  */
 export function numberAt(view, position, info) {
-  if (isInGap(view, position)) return info.series ? "No data" : "";
+  if (isInGap(view, position)) return info.series ? NO_DATA : "";
   const here = eventAt(view, position);
   return numberText(nearestPoint(view, here?.time_s ?? secondsAt(view, position))?.value, info);
 }
@@ -203,11 +204,11 @@ export function scoreAt(view, position) {
  */
 export function summaryText(view, info) {
   const parts = [
-    `${info.title}: ${spokenMoment(view.start_s, info)} to ${spokenMoment(view.end_s, info)}`,
+    `${info.title}: ${fromTo(spokenMoment(view.start_s, info), spokenMoment(view.end_s, info))}`,
   ];
   if (view.points?.value.length) {
     const [lowest, highest] = rangeOf(view);
-    parts.push(`from ${valueText(lowest, info)} to ${valueText(highest, info)}`);
+    parts.push(range(valueText(lowest, info), valueText(highest, info)));
   }
   const counts = new Map();
   for (const { kind } of view.events) {

@@ -7,6 +7,7 @@ import { EXTREMES } from "./layer.js";
 import { markOf } from "./marks.js";
 import { isSameEvent } from "./scores.js";
 import { eventText, momentText, summaryText } from "./descriptions.js";
+import { eventCount, NOTHING_FOUND, WATCH } from "./page_words.js";
 
 /** @import { Info, TimelineEvent, View } from "../types" */
 /** @import { Navigation } from "./navigation.js" */
@@ -95,8 +96,7 @@ export class EventList {
       return !this.hidden.has(event.kind) && words.every((word) => all.includes(word));
     });
     const { length } = this.found;
-    const count = length === 1 ? "1 event" : `${length} events`;
-    byId("found").textContent = length === 0 && words.length > 0 ? "Nothing called that" : count;
+    byId("found").textContent = length === 0 && words.length > 0 ? NOTHING_FOUND : eventCount(length);
     byId("kinds").replaceChildren(...chipsOf(this.info, this.hidden, (kind) => {
       const at = [...byId("kinds").children].indexOf(/** @type {Element} */ (document.activeElement));
       this.toggle(kind);
@@ -151,8 +151,8 @@ export class EventList {
     item.append(button);
     if (watch !== null) {
       const film = this.button("watch", () => watch(event));
-      film.textContent = "Watch";
-      film.setAttribute("aria-label", `Watch ${when}, ${text}`);
+      film.textContent = WATCH;
+      film.setAttribute("aria-label", `${WATCH} ${when}, ${text}`);
       item.append(film);
     }
     return item;

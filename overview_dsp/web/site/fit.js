@@ -5,6 +5,7 @@ import { momentText, shortEvent } from "./descriptions.js";
 import { markIcon } from "./legend.js";
 import { textSize } from "./picture.js";
 import { numberText } from "./values.js";
+import { NO_DATA } from "./words.js";
 
 /** @import { Info, View } from "../types" */
 
@@ -49,7 +50,7 @@ function longestTexts(view, info) {
   return {
     clock: longest([longestSoFar.clock, ...moments]),
     numbers: info.series
-      ? [longest([longestSoFar.numbers[0], ...ends.map((one) => numberText(one, info))]), "No data"] : ["00\u201300"],
+      ? [longest([longestSoFar.numbers[0], ...ends.map((one) => numberText(one, info))]), NO_DATA] : ["00\u201300"],
     unit: info.series?.unit ?? "",
     events: widest([...longestSoFar.events, ...view.events.map((event) => shortEvent(event, info))]),
     isZoomed: longestSoFar.isZoomed || view.zoom > 0, // other buttons are below the picture

@@ -5,22 +5,6 @@ const PAGE = 0.1;
 
 /** @import { Navigation } from "./navigation.js" */
 
-export const HELP = [
-  ["Arrows", "previous and next value or event"],
-  ["Shift + arrows, Page keys", "move by a hundredth, by a tenth"],
-  ["[ and ]", "previous and next event"],
-  [", and .", "previous and next value"],
-  ["Home, End", "first, last"],
-  ["X, N", "highest, lowest"],
-  ["Space, T", "tap: touch and release"],
-  ["Escape", "release"],
-  ["P", "play or pause"],
-  ["+ and \u2212", "zoom"],
-  ["E", "list of events"],
-  ["V", "watch the film, if there is one"],
-  ["H", "this help"],
-];
-
 /**
  * `open(name)` opens events, help or film, or plays (run); `onfirst()` is called before each key.
  * @param {HTMLElement} element

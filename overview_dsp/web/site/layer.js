@@ -6,6 +6,7 @@ import { drawKind, markOf } from "./marks.js";
 import { isGoal } from "./scores.js";
 import { ticksOf } from "./ticks.js";
 import { linesOf, valueText } from "./values.js";
+import { NOW } from "./words.js";
 
 /** @import { Colours, Geometry, Info, TimelineEvent, View } from "../types" */
 /** @import { SvgContext } from "./svg.js" */
@@ -210,10 +211,10 @@ function drawNow(scene, now) {
   c.lineWidth = 1.5;
   drawLine(c, [x, g.top], [x, g.bottom]);
   c.font = fontOf(g, 600);
-  const before = x + 4 + c.measureText("now").width > g.right;
+  const before = x + 4 + c.measureText(NOW).width > g.right;
   c.textAlign = before ? "right" : "left";
   c.textBaseline = "bottom";
-  drawText(scene, "now", before ? x - 4 : x + 4, g.bottom - 4, "ink");
+  drawText(scene, NOW, before ? x - 4 : x + 4, g.bottom - 4, "ink");
 }
 
 /**

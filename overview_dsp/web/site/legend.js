@@ -5,6 +5,7 @@ import { drawKind, markOf } from "./marks.js";
 import { COLOURS } from "./picture.js";
 import { titleParts } from "./scores.js";
 import { SvgContext } from "./svg.js";
+import { whenZoomed } from "./words.js";
 
 /** @import { Info, Kind, Mark, View } from "../types" */
 
@@ -19,7 +20,7 @@ export const listedKinds = (info) => Object.entries(info.kinds)
   .filter(([, kind]) => kind.count > 0 || kind.shape !== "bar")
   .sort(([, a], [, b]) => rankOf(a) - rankOf(b));
 
-/** Kinds that only a window has come last, before ticks of time. @param {Kind} kind */
+/** Return the rank of a kind: kinds of windows alone are behind others, ticks of time the last. @param {Kind} kind */
 const rankOf = ({ shape, count }) => (shape === "bar" ? 2 : Number(count === 0));
 
 /** @param {Kind} kind */
@@ -88,7 +89,7 @@ export function fitLegend() {
 export function showLegend(list, info) {
   list.replaceChildren(...listedKinds(info).map(([id, kind]) => {
     const item = document.createElement("li");
-    const count = kind.count > 0 ? `${nameOf(kind)} ${kind.count}` : `${nameOf(kind)}, when zoomed`;
+    const count = kind.count > 0 ? `${nameOf(kind)} ${kind.count}` : whenZoomed(nameOf(kind));
     item.append(markIcon(markOf(id, kind)), count);
     return item;
   }));

@@ -2,9 +2,10 @@
 
 import { byId } from "./dom.js";
 import { EventList } from "./event_list.js";
-import { HELP, listenToKeys } from "./keys.js";
+import { listenToKeys } from "./keys.js";
 import { bindSettings } from "./settings.js";
 import { listenToTouch } from "./touch.js";
+import { HELP } from "./page_words.js";
 
 /** @import { Elements, TimelineEvent } from "../types" */
 /** @import { Page } from "./page.js" */
@@ -108,7 +109,7 @@ export function listen(page) {
     page.strip.draw();
     page.wake();
   });
-  for (const button of document.querySelectorAll("nav button")) button.removeAttribute("disabled");
+  for (const button of document.querySelectorAll("nav > button")) button.removeAttribute("disabled");
   return new EventList(page.info, navigation, {
     go: (event) => page.goToEvent(event), watch, hidden: page.picture.hidden, toggle: (kind) => page.toggleKind(kind),
   });

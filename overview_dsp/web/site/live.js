@@ -5,6 +5,7 @@ import { byId } from "./dom.js";
 import { MissedEvents } from "./missed.js";
 import { request } from "./session.js";
 import { eventText } from "./descriptions.js";
+import { NEW, WITHDRAWN } from "./page_words.js";
 
 /** @import { LiveInfo, NewVersion, Notice, Update, View, Window } from "../types" */
 /** @import { Page } from "./page.js" */
@@ -134,7 +135,7 @@ export class Live {
       const isKnown = page.info.kinds[kind] !== undefined;
       const text = isKnown ? eventText(event, page.info) : `${kind.replaceAll("_", " ")} ${label}`;
       this.missed.change(action, event);
-      const word = action === "added" ? "new: " : "withdrawn: ";
+      const word = action === "added" ? NEW : WITHDRAWN;
       lines.push(kind === "withdrawn_goal" ? text : word + text);
       const { output, vibration } = page.settings;
       if (action === "added" && output === "motor" && vibration && page.input.active === null) {

@@ -6,17 +6,17 @@ import { fit } from "./fit.js";
 import { showTitle } from "./legend.js";
 import { Picture } from "./picture.js";
 import { firstPart } from "./windows.js";
+import { NO_NETWORK, notLoaded, TRY_AGAIN } from "./words.js";
 
 // not awaited: later imports need this script to have ended
 start().catch((error) => {
   const again = document.createElement("button");
-  again.textContent = "Try again";
+  again.textContent = TRY_AGAIN;
   again.addEventListener("click", () => location.reload());
-  const reason = navigator.onLine ? error.message
-    : "there is no network, and this device has not stored the page";
+  const reason = navigator.onLine ? error.message : NO_NETWORK;
   byId("fault").classList.add("link");
-  byId("fault").replaceChildren(`The timeline did not load: ${reason}. `, again);
-  byId("hint").hidden = true;
+  byId("fault").replaceChildren(notLoaded(reason), again);
+  byId("stage").hidden = true;
 });
 
 async function start() {

@@ -2,6 +2,7 @@
 
 import { positionAt } from "./angle_map.js";
 import { eventText } from "./descriptions.js";
+import { missed } from "./page_words.js";
 
 /** @import { Page } from "./page.js" */
 /** @typedef {{ kind: string, label: string, time_s: number }} NewEvent */
@@ -32,7 +33,7 @@ export class MissedEvents {
   show() {
     const count = this.events.length;
     this.button.hidden = count === 0 || this.visiting;
-    this.button.textContent = `Feel what you missed: ${count === 1 ? "1 event" : `${count} events`}`;
+    this.button.textContent = missed(count);
   }
 
   /**

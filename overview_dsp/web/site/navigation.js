@@ -4,6 +4,8 @@ import { positionAt } from "./angle_map.js";
 import { positionText, spokenMoment, summaryText } from "./descriptions.js";
 import { allStops, eventStops, nextStop, valueStops } from "./stops.js";
 import { extremeOf } from "./values.js";
+import { eventCount, NO_MORE_DETAIL, NOTHING_AFTER, NOTHING_BEFORE, tapAt, WHOLE } from "./page_words.js";
+import { fromTo } from "./words.js";
 
 /** @import { Info, View } from "../types" */
 /** @import { Announcer } from "./announcer.js" */
@@ -92,7 +94,7 @@ export class Navigation {
    */
   async zoom(direction) {
     if (await this.viewState.zoom(direction)) this.reportWindow();
-    else this.announcer.say(direction > 0 ? "No more detail" : "The whole timeline");
+    else this.announcer.say(direction > 0 ? NO_MORE_DETAIL : WHOLE);
   }
 
   /** Show the whole timeline, and report it. */
@@ -103,12 +105,12 @@ export class Navigation {
   reportWindow() {
     const { start_s, end_s, events } = this.viewState.view;
     const [from, to] = [start_s, end_s].map((one) => spokenMoment(one, this.info));
-    this.announcer.say(`${from} to ${to}, ${events.length === 1 ? "1 event" : `${events.length} events`}`);
+    this.announcer.say(`${fromTo(from, to)}, ${eventCount(events.length)}`);
   }
 
   /** @param {number} direction */
   reportEnd(direction) {
-    const text = direction > 0 ? "Nothing after this" : "Nothing before this";
+    const text = direction > 0 ? NOTHING_AFTER : NOTHING_BEFORE;
     this.announcer.say(text);
     this.speech.speak(text);
   }
@@ -121,7 +123,7 @@ export class Navigation {
 
   tap() {
     this.input.tap("keys", this.input.position);
-    this.announcer.say(`Tap at ${positionText(this.viewState.view, this.input.position, this.info)}`);
+    this.announcer.say(tapAt(positionText(this.viewState.view, this.input.position, this.info)));
     this.speakPosition();
   }
 

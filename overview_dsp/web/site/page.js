@@ -26,6 +26,10 @@ import { Navigation } from "./navigation.js";
 import { isSameEvent } from "./scores.js";
 import { partAround, partBetween } from "./windows.js";
 import { eventAt, eventPassed, eventText } from "./descriptions.js";
+import {
+  DRAG_HERE, INTERRUPTED, kindShown, NEXT_EVENT, NEXT_VALUE, PREVIOUS_EVENT, PREVIOUS_VALUE, SILENT, TO_FEEL_IT,
+  TWIST_OFF, TWIST_ON,
+} from "./page_words.js";
 
 /** @import { Preset, AudioBackend, TimelineEvent, DiskState } from "../types" */
 /** @import { AllValues } from "./all_values.js" */
@@ -33,7 +37,6 @@ import { eventAt, eventPassed, eventText } from "./descriptions.js";
 /** @import { Picture } from "./picture.js" */
 /** @import { Served } from "./served.js" */
 
-const SILENT = "This browser has no sound output: the disk moves in silence, without friction.";
 const SILENT_SHOWN_MS = 10_000;
 
 export class Page {
@@ -115,8 +118,8 @@ export class Page {
     await this.sound.load();
     const more = document.createElement("span");
     more.className = "wide";
-    more.textContent = " to feel it";
-    byId("hint-text").replaceChildren("Drag here", more);
+    more.textContent = TO_FEEL_IT;
+    byId("hint-text").replaceChildren(DRAG_HERE, more);
     if (this.info.live) {
       const { Live } = await import("./live.js");
       this.live = new Live(this, this.info.live);
@@ -246,7 +249,7 @@ export class Page {
       this.endSilence();
     } else if (this.hasSounded) {
       this.pause();
-      this.fault("the sound was interrupted: touch to continue");
+      this.fault(INTERRUPTED);
     }
     this.interrupted = this.hasSounded && !isRunning;
     this.hasSounded ||= isRunning;
@@ -276,7 +279,7 @@ export class Page {
       }
     }
     byId("twist").setAttribute("aria-pressed", String(this.twist.on));
-    this.announcer.say(this.twist.on ? "Twist on: turn the phone" : "Twist off");
+    this.announcer.say(this.twist.on ? TWIST_ON : TWIST_OFF);
   }
 
   calibrate() {
@@ -310,9 +313,9 @@ export class Page {
     if (!speech) this.speech.stop();
     document.documentElement.classList.toggle("contrast", contrast);
     document.documentElement.classList.toggle("series", this.info.series !== null);
-    const stop = steps === "values" && this.info.series ? "value" : "event";
-    byId("previous").ariaLabel = `Previous ${stop}`;
-    byId("next").ariaLabel = `Next ${stop}`;
+    const isValues = steps === "values" && this.info.series !== null;
+    byId("previous").ariaLabel = isValues ? PREVIOUS_VALUE : PREVIOUS_EVENT;
+    byId("next").ariaLabel = isValues ? NEXT_VALUE : NEXT_EVENT;
     this.picture.still = still;
     this.picture.circular = circular;
     this.picture.resize();
@@ -345,7 +348,7 @@ export class Page {
     if (!hidden.delete(kind)) hidden.add(kind);
     const shown = this.view.events.filter((event) => !hidden.has(event.kind)).length;
     const { name } = this.info.kinds[kind];
-    this.announcer.say(`${name} ${hidden.has(kind) ? "hidden, still felt" : "shown"}; ${shown} events shown`);
+    this.announcer.say(kindShown(name, !hidden.has(kind), shown));
     this.picture.redraw();
     listedKinds(this.info).forEach(([id], i) => {
       byId("legend").querySelectorAll("button")[i].setAttribute("aria-pressed", String(!hidden.has(id)));

@@ -6,14 +6,19 @@ import { gestureOf, Player, gestureText, SWEEP } from "./player.js";
 import { partBetween, partContaining } from "./windows.js";
 import { momentText } from "./descriptions.js";
 import { accessToken, openSession } from "./session.js";
+import {
+  afterEnd, cannotShare, COPIED, ENDED, noPreset, outsideWindow, PAUSE, PAUSED, PLAY, playing, SHARE, SHARED,
+  THIS_COMPUTER, unknownGesture, unknownPosition, unknownWindow,
+} from "./page_words.js";
+import { fromTo } from "./words.js";
 
 /** @import { Gesture, Part } from "../types" */
 /** @import { Page } from "./page.js" */
 
 const LOOPBACK = /^(localhost|127\..*|\[::1\])$/;
 const SHARED_MS = 3000;
-const PLAY = "M8 5v14l11-7z"; // icons, as in index.html
-const PAUSE = "M7 5h3v14H7zM14 5h3v14h-3z";
+const PLAY_ICON = "M8 5v14l11-7z"; // as in index.html
+const PAUSE_ICON = "M7 5h3v14H7zM14 5h3v14h-3z";
 
 export class Playback {
   /** @param {Page} page */
@@ -22,10 +27,10 @@ export class Playback {
     /** @type {Gesture | null} */
     this.linkedGesture = null; // gesture of the URL
     this.player = new Player(page.input, (sweep, isEnd) => {
-      byId("run-text").textContent = sweep ? "Pause" : "Play";
-      byId("run").querySelector("path")?.setAttribute("d", sweep ? PAUSE : PLAY);
-      const stopped = isEnd ? "Ended" : "Paused";
-      page.announcer.say(sweep ? `Playing, ${sweep.seconds} seconds` : stopped);
+      byId("run-text").textContent = sweep ? PAUSE : PLAY;
+      byId("run").querySelector("path")?.setAttribute("d", sweep ? PAUSE_ICON : PLAY_ICON);
+      const stopped = isEnd ? ENDED : PAUSED;
+      page.announcer.say(sweep ? playing(sweep.seconds) : stopped);
       page.wake();
     });
     byId("share").addEventListener("click", () => this.share());
@@ -94,7 +99,7 @@ export class Playback {
     const { info, served } = this.page;
     if (served) await served.editor.use(preset);
     else if (preset !== info.preset) {
-      throw new Error(`this page has no preset ${preset}, only ${info.preset}; a page of overview serve has all`);
+      throw new Error(noPreset(preset, info.preset));
     }
   }
 
@@ -104,7 +109,7 @@ export class Playback {
     const fields = text.split(":");
     const [start, end] = fields.map(Number);
     if (fields.length !== 2 || fields.includes("") || !(start >= 0 && end > start && end <= duration_s)) {
-      throw new Error(`unknown window ${text}; use START:END in seconds, 0 to ${Math.floor(duration_s)}`);
+      throw new Error(unknownWindow(text, Math.floor(duration_s)));
     }
     const part = partBetween(windows, [start, end]);
     await this.show(part.number >= 0 || server ? part : partContaining(windows, [start, end]));
@@ -130,17 +135,17 @@ export class Playback {
     const { windows, duration_s } = page.info;
     const whole = partBetween(windows, [0, duration_s]);
     const moment = momentAt(at, page.strip.whole.events);
-    if (moment === null) throw new Error(`unknown position ${at}; use goal:5, 67:30 or seconds`);
+    if (moment === null) throw new Error(unknownPosition(at));
     const text = momentText(moment, page.info);
     if (moment > duration_s) {
-      throw new Error(`position ${at} (${text}) is after the end, ${momentText(duration_s, page.info)}`);
+      throw new Error(afterEnd(at, text, momentText(duration_s, page.info)));
     }
     const isOutside = () => moment < page.view.start_s || moment > page.view.end_s;
     if (isOutside() && !window) await this.show(whole);
     if (isOutside()) {
       const { start_s, end_s } = page.view;
-      const ends = [start_s, end_s].map((one) => momentText(one, page.info)).join(" to ");
-      throw new Error(`position ${at} (${text}) is outside of the window, ${ends}`);
+      const ends = [start_s, end_s].map((one) => momentText(one, page.info));
+      throw new Error(outsideWindow(at, text, fromTo(ends[0], ends[1])));
     }
     page.goTo(page.positionAt(moment));
   }
@@ -155,7 +160,7 @@ export class Playback {
     byId("share-play").checked = this.linkedGesture !== null;
     byId("share-access").hidden = accessToken() === "";
     if (play && this.linkedGesture === null) {
-      throw new Error(`unknown gesture ${play}; use sweep:10 or tap:0.5`);
+      throw new Error(unknownGesture(play));
     }
   }
 
@@ -176,14 +181,14 @@ export class Playback {
         const hasSheet = Boolean(navigator.share);
         if (hasSheet) await navigator.share({ title: info.title, url: address });
         else await navigator.clipboard.writeText(address);
-        button.textContent = hasSheet ? "Shared" : "Link copied";
-        if (LOOPBACK.test(location.hostname)) button.textContent += ", for this computer only";
+        button.textContent = hasSheet ? SHARED : COPIED;
+        if (LOOPBACK.test(location.hostname)) button.textContent += THIS_COMPUTER;
       } catch (error) {
-        if (error.name !== "AbortError") page.fault(`this browser can't share; copy the link: ${address}`);
+        if (error.name !== "AbortError") page.fault(cannotShare(address));
       }
     } catch (error) {
       page.fault(error.message);
     }
-    setTimeout(() => (button.textContent = "Share"), SHARED_MS);
+    setTimeout(() => (button.textContent = SHARE), SHARED_MS);
   }
 }

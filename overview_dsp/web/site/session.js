@@ -1,5 +1,7 @@
 // Requests to the server. The token of the URL is exchanged for a cookie and removed from the URL.
 
+import { NO_ANSWER } from "./words.js";
+
 let token = ""; // of the URL that opened this page
 
 /** Return the token that opened this page; "" without one, or after a reload. */
@@ -22,7 +24,7 @@ export async function openSession() {
  */
 export async function request(path, options) {
   const answer = await fetch(new URL(path, import.meta.url), options).catch(() => {
-    throw new Error("the server doesn't answer: check the network and that `overview` is running");
+    throw new Error(NO_ANSWER);
   });
   if (answer.ok) return answer;
   const isText = answer.headers.get("content-type")?.startsWith("text/plain");

@@ -1,6 +1,7 @@
 // Settings of the user, stored in this browser.
 
 import { byId } from "./dom.js";
+import { NO_VIBRATION } from "./page_words.js";
 
 /** @import { Settings } from "../types" */
 
@@ -62,7 +63,7 @@ export function bindSettings(form, settings, onchange) {
     else field.value = value;
   }
   if (!("vibrate" in navigator)) {
-    byId("motor").textContent = "this phone cannot vibrate from a web page; you hear every event";
+    byId("motor").textContent = NO_VIBRATION;
     /** @type {any} */ (form.elements.namedItem("output"))[1].disabled = true;
   }
   form.addEventListener("input", (event) => {

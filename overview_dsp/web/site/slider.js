@@ -7,6 +7,7 @@ import {
 } from "./descriptions.js";
 import { markIcon } from "./legend.js";
 import { markOf } from "./marks.js";
+import { NO_DATA } from "./words.js";
 
 /** @import { Info, TimelineEvent, View } from "../types" */
 
@@ -55,7 +56,7 @@ export class Slider {
       const here = eventAt(view, position);
       setText("clock", momentText(here?.time_s ?? secondsAt(view, position), info));
       const number = numberAt(view, position, info);
-      setText("unit", number && number !== "No data" ? info.series?.unit ?? "" : "");
+      setText("unit", number && number !== NO_DATA ? info.series?.unit ?? "" : "");
       if (info.series) setText("number", number);
       else this.showScore(scoreAt(view, position));
       this.showEvent(here, info);

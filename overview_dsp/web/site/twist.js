@@ -1,6 +1,8 @@
 // Twist of the wrist: the phone's roll about its long axis, face up to face down. Half a turn to either
 // side is the whole timeline, so that both hands can twist.
 
+import { MOTION_DENIED, NEEDS_HTTPS, NO_MOTION, NO_SENSOR } from "./page_words.js";
+
 const MIN_GRAVITY = 0.25; // a phone held upright has no defined roll
 const SILENT_MS = 1500; // sensors report about 60 times per second
 const RAD_PER_DEGREE = Math.PI / 180;
@@ -57,11 +59,11 @@ export class Twist {
 
   /** Request permission and start; throw an Error if motion isn't available. */
   async begin() {
-    if (!("DeviceOrientationEvent" in window)) throw new Error("this browser has no motion sensor");
-    if (!window.isSecureContext) throw new Error("motion needs a page served over https");
+    if (!("DeviceOrientationEvent" in window)) throw new Error(NO_SENSOR);
+    if (!window.isSecureContext) throw new Error(NEEDS_HTTPS);
     const ask = /** @type {any} */ (window.DeviceOrientationEvent).requestPermission;
     if (ask && (await ask.call(window.DeviceOrientationEvent)) !== "granted") {
-      throw new Error("motion was denied; allow it in the browser's settings for this page");
+      throw new Error(MOTION_DENIED);
     }
     this.on = true;
     this.hasReading = false;
@@ -69,7 +71,7 @@ export class Twist {
     this.keepAwake();
     clearTimeout(this.silent);
     this.silent = setTimeout(() => {
-      if (this.on && !this.hasReading) this.onsilent("this device reports no motion: drag instead");
+      if (this.on && !this.hasReading) this.onsilent(NO_MOTION);
     }, SILENT_MS);
   }
 

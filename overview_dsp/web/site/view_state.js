@@ -5,6 +5,7 @@ import { byId } from "./dom.js";
 import { titleParts } from "./scores.js";
 import { lastLevel, partAround, neighbourPart, partBetween, partOf } from "./windows.js";
 import { eventAt, momentText } from "./descriptions.js";
+import { fromTo } from "./words.js";
 
 /** @import { TimeRange, Part, AudioBackend, View } from "../types" */
 /** @import { Data } from "./data.js" */
@@ -205,7 +206,7 @@ export class ViewState {
     const { windows, view } = this;
     const { info } = this.data;
     const rest = view.zoom === 0 && info.start === null && titleParts(info)?.rest;
-    byId("window").textContent = rest || `${momentText(view.start_s, info)} to ${momentText(view.end_s, info)}`;
+    byId("window").textContent = rest || fromTo(momentText(view.start_s, info), momentText(view.end_s, info));
     // not `disabled`: the button keeps the focus and reports that there is no more detail
     byId("in").setAttribute("aria-disabled", String(view.zoom >= lastLevel(windows)));
   }
