@@ -137,6 +137,7 @@ def launched(driver: Any, *options: str) -> Iterator[Any]:
             given = {
                 "executable_path": firefox_program(),
                 "channel": "moz-firefox",
+                "firefox_user_prefs": {"intl.accept_languages": "en-GB"},
                 "env": stack.enter_context(null_sink(folder)),  # without one no page moves
             }
         else:
@@ -147,6 +148,9 @@ def launched(driver: Any, *options: str) -> Iterator[Any]:
             browser = kind.launch(**given)
         except Exception as error:
             pytest.skip(f"needs {needed} ({str(error).splitlines()[0]})")
+        if kind is driver.chromium:  # as the tests expect dates
+            make = browser.new_context
+            browser.new_context = lambda **given: make(**{"locale": "en-GB", **given})
         yield browser
         browser.close()
 

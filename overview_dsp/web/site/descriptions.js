@@ -1,7 +1,7 @@
 // Texts for times, events and positions.
 
 import { positionAt, secondsAt } from "./angle_map.js";
-import { nearestPoint, numberText, rangeOf, valueText } from "./values.js";
+import { LOCALES, nearestPoint, numberText, rangeOf, valueText } from "./values.js";
 import { begins, fromTo, NO_DATA, range } from "./words.js";
 
 const TOLERANCE = 0.004; // distance (0 to 1) at which a position is at an event, without a picture
@@ -14,7 +14,9 @@ export const toleranceOf = (view) => view.tolerance ?? TOLERANCE;
 
 // created only once, because creating one takes longer than all else in a frame
 /** @param {Intl.DateTimeFormatOptions} options */
-export const dates = (options) => new Intl.DateTimeFormat("en-GB", { timeZone: "UTC", ...options });
+export const dates = (options) => new Intl.DateTimeFormat(LOCALES, {
+  timeZone: "UTC", calendar: "gregory", numberingSystem: "latn", ...options,
+});
 const DAYS = dates({ day: "numeric", month: "short", year: "numeric" });
 const SPOKEN_DAYS = dates({ day: "numeric", month: "long", year: "numeric" });
 export const HOURS = dates({ hour: "2-digit", minute: "2-digit" });

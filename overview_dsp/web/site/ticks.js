@@ -1,6 +1,7 @@
 // Ticks of the time axis, at round times; of a calendar at midnights and the beginnings of months and years.
 
 import { dates, HOURS, LONG_S, momentText, SECONDS, startOf } from "./descriptions.js";
+import { LOCALES } from "./values.js";
 
 /** @import { Info, View } from "../types" */
 /** @typedef {{ at: number, text: string, number: number }} Tick time (s), label, number of the span that begins */
@@ -17,7 +18,7 @@ const MONTHS = dates({ month: "short" });
 const DATES = dates({ day: "numeric", month: "short" });
 const WEEKDAYS = dates({ weekday: "short" });
 /** @param {string} unit */
-const counted = (unit) => new Intl.NumberFormat("en-GB", { style: "unit", unit, unitDisplay: "long" });
+const counted = (unit) => new Intl.NumberFormat(LOCALES, { style: "unit", unit, unitDisplay: "long" });
 const [DAYS_LONG, YEARS_LONG] = ["day", "year"].map(counted);
 
 /**

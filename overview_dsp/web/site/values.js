@@ -4,6 +4,28 @@ import { positionAt } from "./angle_map.js";
 
 /** @import { Info, Points, View } from "../types" */
 
+/** Languages of the reader, for dates and numbers; without a window those of the tests. */
+export const LOCALES = /** @type {string[]} */ (globalThis.window ? navigator.languages : ["en-GB"]);
+
+/** @type {Map<number, Intl.NumberFormat>} */
+const formats = new Map(); // by their decimals
+
+/**
+ * Return a number as the reader writes it.
+ * @param {number} value
+ * @param {number} decimals
+ */
+function localNumber(value, decimals) {
+  let format = formats.get(decimals);
+  if (!format) {
+    format = new Intl.NumberFormat(LOCALES, {
+      minimumFractionDigits: decimals, maximumFractionDigits: decimals, useGrouping: "min2", numberingSystem: "latn",
+    });
+    formats.set(decimals, format);
+  }
+  return format.format(value).replace("-", "\u2212");
+}
+
 /**
  * Return the index of the point nearest to a time (s); -1 without points.
  * @param {{ points: Points | null }} view
@@ -48,7 +70,7 @@ export function valueText(value, { series }) {
  * @param {Pick<Info, "series">} info
  */
 export function numberText(value, { series }) {
-  return value === undefined || !series ? "" : value.toFixed(series.decimals).replace("-", "\u2212");
+  return value === undefined || !series ? "" : localNumber(value, series.decimals);
 }
 
 /**
@@ -112,6 +134,6 @@ export function linesOf([low, span], maxLines) {
   }
   const decimals = Math.max(0, -Math.floor(Math.log10(step)));
   return lines.map(({ value, level }) => ({
-    text: value.toFixed(decimals).replace("-", "\u2212"), level,
+    text: localNumber(value, decimals), level,
   }));
 }
