@@ -150,10 +150,22 @@ export function isAtPoint(view, position) {
 }
 
 /**
+ * Return the ends of the gap around a position; undefined where there are data.
  * @param {View} view
  * @param {number} position
  */
-const isInGap = (view, position) => view.gaps.some(([from, to]) => position > from && position < to);
+const gapAt = (view, position) => view.gaps.find(([from, to]) => position > from && position < to);
+
+/**
+ * Return the moments between which there are no data, for the gap around a position; "" where there are data.
+ * @param {View} view
+ * @param {number} position
+ * @param {Info} info
+ */
+export function gapText(view, position, info) {
+  const [from, to] = (gapAt(view, position) ?? []).map((end) => momentText(secondsAt(view, end), info));
+  return from ? fromTo(from, to) : "";
+}
 
 /**
  * Return the spoken text of a position: "702.10 dollars, 19 September 2012, peak". Events at one
@@ -168,7 +180,7 @@ export function positionText(view, position, info, withValue = true) {
   const events = here ? view.events.filter((one) => Math.abs(one.position - at) < EXACT) : [];
   const texts = events.map((one) => shortEvent(one, info));
   const moment = here?.time_s ?? secondsAt(view, position);
-  const isGap = isInGap(view, at);
+  const isGap = gapAt(view, at) !== undefined;
   const point = isGap ? null : nearestPoint(view, moment);
   if (point && (withValue || isAtPoint(view, position))) {
     return [valueText(point.value, info), spokenMoment(point.time_s, info), ...texts].join(", ");
@@ -184,7 +196,7 @@ export function positionText(view, position, info, withValue = true) {
  * @param {Info} info
  */
 export function numberAt(view, position, info) {
-  if (isInGap(view, position)) return info.series ? NO_DATA : "";
+  if (gapAt(view, position)) return info.series ? NO_DATA : "";
   const here = eventAt(view, position);
   return numberText(nearestPoint(view, here?.time_s ?? secondsAt(view, position))?.value, info);
 }

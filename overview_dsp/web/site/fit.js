@@ -1,7 +1,7 @@
 // The text above the picture: the first of some sizes at which the data's longest texts fit.
 
 import { byId, contextOf } from "./dom.js";
-import { momentText, shortEvent } from "./descriptions.js";
+import { gapText, momentText, shortEvent } from "./descriptions.js";
 import { markIcon } from "./legend.js";
 import { textSize } from "./picture.js";
 import { numberText } from "./values.js";
@@ -52,7 +52,10 @@ function longestTexts(view, info) {
     numbers: info.series
       ? [longest([longestSoFar.numbers[0], ...ends.map((one) => numberText(one, info))]), NO_DATA] : ["00\u201300"],
     unit: info.series?.unit ?? "",
-    events: widest([...longestSoFar.events, ...view.events.map((event) => shortEvent(event, info))]),
+    events: widest([
+      ...longestSoFar.events, ...view.events.map((event) => shortEvent(event, info)),
+      ...view.gaps.map(([from, to]) => gapText(view, (from + to) / 2, info)),
+    ]),
     isZoomed: longestSoFar.isZoomed || view.zoom > 0, // other buttons are below the picture
   };
 }

@@ -3,7 +3,7 @@
 import { secondsAt } from "./angle_map.js";
 import { byId } from "./dom.js";
 import {
-  eventAt, momentText, numberAt, positionText, scoreAt, shortEvent, summaryText,
+  eventAt, gapText, momentText, numberAt, positionText, scoreAt, shortEvent, summaryText,
 } from "./descriptions.js";
 import { markIcon } from "./legend.js";
 import { markOf } from "./marks.js";
@@ -59,7 +59,7 @@ export class Slider {
       setText("unit", number && number !== NO_DATA ? info.series?.unit ?? "" : "");
       if (info.series) setText("number", number);
       else this.showScore(scoreAt(view, position));
-      this.showEvent(here, info);
+      this.showEvent(here, info, number === NO_DATA ? gapText(view, position, info) : "");
     }
   }
 
@@ -79,12 +79,13 @@ export class Slider {
   }
 
   /**
-   * Show an event with its mark.
+   * Show an event with its mark, or another text where there is none.
    * @param {TimelineEvent | null} event
    * @param {Info} info
+   * @param {string} other
    */
-  showEvent(event, info) {
-    const text = event ? shortEvent(event, info) : "";
+  showEvent(event, info, other) {
+    const text = event ? shortEvent(event, info) : other;
     if (byId("event").textContent === text) return;
     const marks = event ? [markIcon(markOf(event.kind, info.kinds[event.kind], event.side))] : [];
     byId("event").replaceChildren(...marks, text);

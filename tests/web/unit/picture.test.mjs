@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import test from "node:test";
 import { positionAt, secondsAt } from "../../../overview_dsp/web/site/angle_map.js";
-import { eventAt, eventText, positionText } from "../../../overview_dsp/web/site/descriptions.js";
+import { eventAt, eventText, gapText, positionText } from "../../../overview_dsp/web/site/descriptions.js";
 import { positionTurned } from "../../../overview_dsp/web/site/geometry.js";
 import { markLevel, rareKinds } from "../../../overview_dsp/web/site/layer.js";
 import { extremeOf, linesOf, pointAt, rangeOf, valueText } from "../../../overview_dsp/web/site/values.js";
@@ -54,6 +54,12 @@ test("no date, value or kind occurs twice in the text of an event", () => {
     "largest fall, \u22125.2 %, 90.10 dollars");
   assert.equal(text("month", "August 2008", 1), "month begins");
   assert.equal(text("launch", "the launch of A", 1), "the launch of A");
+});
+
+test("within a gap the moments of its ends are told", () => {
+  const view = { start_s: 0, end_s: 864000, angle_map: null, gaps: [[0.1, 0.5]], events: [], points: null };
+  assert.equal(gapText(view, 0.3, SERIES), "2 Jul 2008 to 6 Jul 2008");
+  assert.deepEqual([0.05, 0.5, 0.9].map((position) => gapText(view, position, SERIES)), ["", "", ""]);
 });
 
 test("levels without data are neither extremes nor marks", () => {
