@@ -23,7 +23,7 @@ function localNumber(value, decimals) {
     });
     formats.set(decimals, format);
   }
-  return format.format(value).replace("-", "\u2212");
+  return format.format(value + 0).replace("-", "\u2212"); // no sign of zero
 }
 
 /**

@@ -81,6 +81,7 @@ test("lines of values are round, and few", () => {
   const lines = linesOf([0.9, 83.5], 5);
   assert.deepEqual(lines.map(({ text }) => text), ["20", "40", "60", "80"]);
   assert.deepEqual(linesOf([1, 0], 5), []);
+  assert.deepEqual(linesOf([-9, 19], 3).map(({ text }) => text), ["0", "10"]);
 });
 
 test("a window of its own has neighbours", () => {
