@@ -27,6 +27,8 @@ from tests.offline.export.plugin_playing import (
     score,
 )
 
+pytestmark = pytest.mark.usefixtures("unoptimised")
+
 
 def test_the_command_builds_one_of_several_timelines(tmp_path):
     timelines = (MATCH, "made-up-share")
