@@ -13,6 +13,7 @@ import argparse
 import asyncio
 import base64
 import io
+import os
 import re
 import tempfile
 import time
@@ -112,16 +113,16 @@ async def play(player: Player) -> list[tuple[float, str]]:
     frames = []
     async with app.run_test(size=TERMINAL) as pilot:
         await pilot.pause(0.5)
-        columns = app.query_one(TimelineView).size.width
-        await pilot.mouse_down(TimelineView, offset=(round(PATH[0][1] * columns), 6))
+        column = app.query_one(TimelineView).column
+        await pilot.mouse_down(TimelineView, offset=(column(PATH[0][1]), 6))
         began = time.monotonic()
         touching = True
         while (now := time.monotonic() - began) < END_S:
             position = pointer_position(now)
             if position is not None:
-                await pilot.hover(TimelineView, offset=(round(position * (columns - 1)), 6))
+                await pilot.hover(TimelineView, offset=(column(position), 6))
             elif touching:
-                await pilot.mouse_up(TimelineView, offset=(round(PATH[-1][1] * columns), 6))
+                await pilot.mouse_up(TimelineView, offset=(column(PATH[-1][1]), 6))
                 touching = False
             await pilot.pause(0.02)
             if not frames or now - frames[-1][0] >= 0.5 / FRAMES_PER_SECOND:
@@ -224,6 +225,7 @@ def main() -> None:
     )
     parser.add_argument("--frames", type=Path, help="folder for single frames (PNG), to look at")
     options = parser.parse_args()
+    os.environ.update(COLORTERM="truecolor", COLORFGBG="15;0", LC_ALL="C.UTF-8")
     drawings = terminal_drawings()
     with (
         tempfile.TemporaryDirectory() as folder,

@@ -1,101 +1,162 @@
-"""Terminal application: keys and mouse control the player, whose status is displayed.
-
-Its command palette has all commands of a session.
-"""
+"""Terminal application: keys, mouse and commands control the player, whose status is displayed."""
 
 from __future__ import annotations
 
 import contextlib
-import math
+import os
+import re
 import time
-from collections.abc import Callable, Iterator
-from dataclasses import replace
-from functools import partial
-from typing import ClassVar
+from collections import deque
+from collections.abc import Callable, Iterable, Sequence
+from functools import cached_property, partial
+from typing import Any, ClassVar
 
-from rich.text import Text
-from textual.app import App, ComposeResult
+from textual.app import App, ComposeResult, SystemCommand
 from textual.binding import Binding, BindingType
-from textual.command import DiscoveryHit, Hit, Hits, Provider
+from textual.command import Hit, Hits
 from textual.containers import ScrollableContainer
 from textual.events import Key
-from textual.screen import ModalScreen
-from textual.widgets import Footer, Static
+from textual.screen import ModalScreen, Screen
+from textual.system_commands import SystemCommandsProvider
+from textual.widgets import Static
 
-from overview_dsp.errors import printable
+from overview_dsp.data.timeline import Timeline
+from overview_dsp.errors import OverviewError, printable
 from overview_dsp.live.inputs.input import Input
+from overview_dsp.live.screen import timeline_view as view
 from overview_dsp.live.screen.key_actions import KeyActions, help_text
-from overview_dsp.live.screen.position_report import PositionReport, event_text, finger_position
+from overview_dsp.live.screen.position_report import PositionReport, finger_position
 from overview_dsp.live.screen.terminal import has_hung_up, nonblocking_driver
-from overview_dsp.live.screen.timeline_view import TimelineView, marks, title_text
-from overview_dsp.live.screen.trace_view import MetersView, TraceView
 from overview_dsp.live.session.command_forms import FORMS
 from overview_dsp.live.session.commands import poll
 from overview_dsp.live.session.player import Player
 from overview_dsp.live.session.session import Status
-from overview_dsp.signal.surface.model import Surface
+from overview_dsp.units import gain_to_db
+
+POLLS_PER_SECOND, VIEW_EVERY, MESSAGE_S, FULL = 30, 3, 10.0, 20
+"""Polls per second, and number between two updates; time that a message is shown; height of the
+screen from which there are large figures, legend and signals."""
+
+COLUMN_S, DRAWN_EVERY, WIDEST = 0.1, 3, 400
+"""Time of a column of torque and vibration, columns per update, and number that is kept."""
+
+STEP_DB, STEPS, BESIDE, NAME, LEVEL = 6.0, 7, 14, 10, 30
+"""Step and number of heights; column beside large figures; widths of a signal's name and level."""
+
+_SCORE, _NUMBER = re.compile(r"(\d+) to (\d+)"), re.compile(r"(-?[\d.]+)(?: (.*))?")
 
 
-def choices(player: Player) -> Iterator[tuple[str, ...]]:
-    """Yield commands with words that can be listed, such as presets and devices."""
-    from overview_dsp.design.presets.library import bundled_presets, user_presets
-    from overview_dsp.errors import OverviewError
-    from overview_dsp.live.output.devices import devices
-    from overview_dsp.signal.actuators.library import actuator_names
-
-    yield from (("record",), ("replay",))
-    presets = ("1", "2", *bundled_presets(), *user_presets())
-    yield from (("preset", name) for name in presets)
-    for signal in ("click", "tactor"):
-        yield "mute", signal
-        yield from (("gain", signal, str(gain)) for gain in range(-24, 7, 6))
-    yield "window", "0", f"{player.timeline.duration_s:g}"
-    with contextlib.suppress(OverviewError):  # without PortAudio
-        yield from (("device", str(device.index), device.name) for device in devices())
-    yield "device", "none"
-    yield from (("block-size", frames) for frames in ["64", "128", "256", "512", "1024"])
-    yield from (("rate", rate) for rate in ("44100", "48000", "96000"))
-    channels = (("1", "2"), ("2", "1"), ("3", "4"), ("1+2", "3+4"))
-    yield from (("channels", *pair) for pair in channels)
-    yield from (("actuator", name) for name in ("none", *actuator_names()))
+def title(timeline: Timeline, skin: view.Skin) -> list[view.Cell]:
+    """Return the title, in which the names of the teams are the key to their signs."""
+    text = printable(timeline.title)
+    if not timeline.sides:
+        return [(text, "bold")]
+    first, second = map(printable, timeline.sides)
+    before, _, rest = text.partition(first)
+    between, found, after = rest.partition(second)
+    if not found:
+        before, between, after = "", " ", f" {text}"
+    names = (f"● {first}", f"{second} ○") if skin.has_utf8 else (first.upper(), second.lower())
+    teams = [(names[0], "first"), (between, "bold"), (names[1], "second")]
+    return [(before, "bold"), *teams, (after, "")]
 
 
-class CommandProvider(Provider):
+def readout(
+    texts: Sequence[str], event: view.Row, note: str, has_figures: bool, full: bool, width: int
+) -> list[view.Row]:
+    """Return the rows with value, moment, event and note, with large figures or without."""
+    moment, end, value = texts
+    score, number = _SCORE.fullmatch(value), _NUMBER.fullmatch(value)
+    parts, large = [(value, "bold")], 0
+    if score is not None:
+        parts, large = [(score[1], "first"), ("-", "bold"), (score[2], "second")], 3
+    elif number is not None:
+        parts, large = [(number[1], "bold"), (f" {view.shortened(number[2] or '', 16)}", "")], 1
+    when = view.cells((moment, "bold"), (f", {end}" if end else "", ""))
+    if not full:
+        row = [*view.cells(*parts, ("  " if value else "", "")), *when]
+        return [row, event or view.cells((view.shortened(note, width - 2), ""))]
+    tall: list[view.Row] = [view.cells(*parts), [], []]
+    if has_figures and large:
+        glyphs = [
+            (view.TABLES["figures"][one], token) for text, token in parts[:large] for one in text
+        ]
+        tall = [view.cells(*((f"{rows[y]} ", token) for rows, token in glyphs)) for y in range(3)]
+        tall[2] += view.cells(*parts[large:])
+    at = max(BESIDE, *(len(row) + 2 for row in tall)) if value else 0
+    beside = when, event, view.cells((view.shortened(note, width - at - 2), ""))
+    return [row + view.cells((" " * (at - len(row)), "")) + one for row, one in zip(tall, beside)]  # noqa: B905
+
+
+class Trace:
+    """Torque and vibration of the last seconds, the newest at the right."""
+
+    def __init__(self) -> None:
+        self._past = [deque([0.0] * WIDEST, maxlen=WIDEST) for _ in range(2)]
+        self._until, self._peaks, self._new = COLUMN_S, [0.0, 0.0], 0
+
+    def add(self, status: Status) -> bool:
+        """Add a status to the present column; return whether it is time to draw."""
+        now = abs(status.torque) / status.full_torque, status.envelope
+        self._peaks = list(map(max, self._peaks, now))
+        if status.time_s < self._until and self._until - status.time_s <= COLUMN_S:
+            return False
+        for past, peak in zip(self._past, self._peaks, strict=True):
+            past.append(peak)
+        self._until, self._peaks = status.time_s + COLUMN_S, [0.0, 0.0]
+        self._new = (self._new + 1) % DRAWN_EVERY
+        return self._new == 0
+
+    def rows(self, status: Status, hz: float, width: int) -> list[view.Row]:
+        """Return the two rows, with the present level of each."""
+        muted, rows = [signal.mute for signal in status.settings.signals], []
+        words = f"{self._past[0][-1] * status.full_torque * 1e3:.2f} mN·m", f"{hz:g} Hz"
+        for index, name in enumerate(("torque", "vibration")):
+            room = max(1, width - NAME - LEVEL - 2)
+            past = list(self._past[index])[-room:]
+            steps = [round(STEPS + gain_to_db(one) / STEP_DB) if one > 0.0 else 0 for one in past]
+            marks = [view.BLOCKS[min(step, STEPS)] if step > 0 else " " for step in steps]
+            marks[::10] = [mark.replace(" ", "·") for mark in marks[::10]]
+            text = ("none", "silent")[index]
+            if steps[-1] > 0:
+                text = f"{gain_to_db(past[-1]):.0f} dB {words[index]}".replace("-", "−")
+            text = "muted" if muted[1] and index else text
+            text += "  clicks muted" if muted[0] and index else ""
+            colour = ("hand", "passed")[index]
+            row = view.cells(
+                (name.ljust(NAME), ""), ("".join(marks), colour), (f"  {text}", "bold")
+            )
+            rows.append(view.spread(width, row))
+        return rows
+
+
+def keys(width: int, first: str) -> view.Row:
+    """Return the keys that there is room for; what to do first (`first`) is in colour."""
+    right = view.cells(("?", "bold"), (" help  ", ""), ("q", "bold"), (" quit", ""))
+    label = view.cells((f" {first} ", "label"), ("  ", "")) if first else []
+    row: view.Row = []
+    for key, word in view.TABLES["keys"]["shown"]:
+        entry = view.cells((key, "bold"), (f" {word}  ", ""))
+        if len(row) + len(entry) + len(label) + len(right) > width - 1:
+            break
+        row, label = [*row, *entry, *label], []
+    return view.spread(width, [*row, *label][:-2], right)
+
+
+class CommandProvider(SystemCommandsProvider):
     """Commands of the palette; a complete command that the user types is offered first."""
-
-    @property
-    def _player(self) -> Player:
-        player: Player = self.app._player  # type: ignore[attr-defined]
-        return player
-
-    async def startup(self) -> None:
-        """Find presets and devices once."""
-        self._choices = list(choices(self._player))
 
     async def search(self, query: str) -> Hits:
         """Yield a complete command as typed, and the choices that match."""
-        words = tuple(query.split())
-        if words and words[0] in FORMS and words not in self._choices:
-            yield Hit(1.0, query, partial(self._player.queue_command, *words), help=FORMS[words[0]])
-        matcher = self.matcher(query)
-        for choice in self._choices:
-            text = " ".join(choice)
-            if (score := matcher.match(text)) > 0.0:
-                yield Hit(score, matcher.highlight(text), self._action(choice))
-
-    async def discover(self) -> Hits:
-        """Yield all choices."""
-        for choice in self._choices:
-            yield DiscoveryHit(" ".join(choice), self._action(choice))
-
-    def _action(self, choice: tuple[str, ...]) -> partial[None]:
-        # a device's name after its number is only for display
-        words = choice[:2] if choice[0] == "device" else choice
-        return partial(self._player.queue_command, *words)
+        app, words = self.app, query.split()
+        if isinstance(app, PlayApp) and words and words[0] in FORMS and query not in app.choices:
+            yield Hit(1.0, query, partial(app.player.queue_command, *words), help=FORMS[words[0]])
+        async for hit in super().search(query):
+            yield hit
 
 
 class TextScreen(ModalScreen[None]):
-    """Text that covers the screen until any key or click."""
+    """Text that covers the timeline until any key or click."""
 
     def __init__(self, text: str) -> None:
         super().__init__()
@@ -103,8 +164,7 @@ class TextScreen(ModalScreen[None]):
 
     def compose(self) -> ComposeResult:
         """Show the text."""
-        with ScrollableContainer():
-            yield Static(self._text, markup=False)
+        yield ScrollableContainer(Static(self._text, markup=False))
 
     def on_key(self, event: Key) -> None:
         """Scroll, or close."""
@@ -118,42 +178,19 @@ class TextScreen(ModalScreen[None]):
             self.dismiss()
 
 
-POLLS_PER_SECOND = 30
-VIEW_EVERY, METERS_EVERY = 3, 6
-"""Polls between two updates of the views; fewer updates suit slow terminal connections."""
-
-MESSAGE_S = 10.0
-"""Time that a message is shown."""
-
-HINT = "Drag with the mouse, or hold → to move"
-"""Shown until the first touch."""
-
-
 class PlayApp(App[None]):
     """Application that plays a timeline by mouse and keys."""
 
     CSS_PATH = "app.tcss"
-    VERTICAL_BREAKPOINTS = [(0, "-short"), (20, "-tall")]  # noqa: RUF012
+    VERTICAL_BREAKPOINTS = [(0, "-short"), (FULL, "-full")]  # noqa: RUF012
     COMMANDS: ClassVar = {CommandProvider}
     COMMAND_PALETTE_BINDING = "c"
     BINDINGS: ClassVar[list[BindingType]] = [
-        Binding("question_mark", "help", "help"),
-        Binding("q,ctrl+c", "quit", "quit"),
-        Binding("left", "press('left')", "back", show=False),
-        Binding("right", "press('right')", "move"),
-        Binding("space", "press('space')", "release / tap"),
-        Binding("plus,equals_sign", "press('+')", "zoom", key_display="+ -"),
-        Binding("left_square_bracket", "press('[')", "event", key_display="[ ]"),
-        Binding("R", "press('R')", "take"),
-        Binding("p,P", "press('p')", "replay"),
-        Binding("1", "press('1')", "presets", key_display="1 2"),
+        *(Binding(key, action, show=False) for key, action in view.TABLES["keys"]["bound"].items()),
         *(
             Binding(key, f"press('{key}')", show=False)
-            for key in ("shift+left", "shift+right", "home", "end", "enter", "escape", *"20mt")
+            for key in view.TABLES["keys"]["same"]["names"]
         ),
-        Binding("minus", "press('-')", show=False),
-        Binding("right_square_bracket", "press(']')", show=False),
-        Binding("r", "remote", show=False),
     ]
 
     def __init__(
@@ -163,41 +200,55 @@ class PlayApp(App[None]):
         stopped: Callable[[], bool] | None = None,
         invitation: str = "",
     ) -> None:
-        super().__init__(driver_class=nonblocking_driver(self.get_driver_class()))
+        driver, ansi = nonblocking_driver(self.get_driver_class()), "NO_COLOR" in os.environ
+        super().__init__(driver_class=driver, ansi_color=ansi or None)
+        self.skin = view.Skin(os.environ, self.console.color_system)
+        self.theme = self.skin.theme
+        self.player, self._source, self._stopped = player, source, stopped
         self._invitation = invitation
-        self._player = player
-        self._source = source
-        self._stopped = stopped
         self._status: Status | None = None
         self.failure: Exception | None = None
-        self._ended = False
-        self._polls = 0
-        self._peaks = [0.0, 0.0]
-        self._shown: list[tuple[float, str]] = [(math.inf, HINT)]
-        self._view = TimelineView(player)
-        self._meters = MetersView()
-        self._trace = TraceView()
-        self._message_text = ""
-        self._report = PositionReport(player)
-        self._key_actions = KeyActions(player)
-        self._legend_surface: Surface | None = None
-        self._legend = Static("", id="legend")
-        self._title = Static(title_text(player.timeline), id="title")
-        self._message_lines = Static("", id="messages", markup=False)
-        self._state_line = Static("", id="state", markup=False)
+        self._ended, self._polls, self._faults = False, 0, 0
+        self._shown: list[tuple[float, str]] = []
+        self._drawn: tuple[object, ...] = ()  # surface and sizes
+        self._finger: tuple[float, float] | None = None  # position and time, once it has touched
+        self._trace, self._report, self._actions = (
+            Trace(),
+            PositionReport(player),
+            KeyActions(player),
+        )
+        self._view = view.TimelineView(player, self.skin)
+        names = ("readout", "legend", "signals", "state", "keys")
+        self._rows = {name: view.Cells(self.skin, id=name) for name in names}
+
+    @cached_property
+    def choices(self) -> list[str]:
+        """Commands of the palette, with the present presets, actuators and devices."""
+        from overview_dsp.design.presets.library import bundled_presets, user_presets
+        from overview_dsp.live.output.devices import devices
+        from overview_dsp.signal.actuators.library import actuator_names
+
+        found = [f"preset {name}" for name in (*bundled_presets(), *user_presets())]
+        found += [f"actuator {name}" for name in actuator_names()]
+        found.append(f"window 0 {self.player.timeline.duration_s:g}")
+        with contextlib.suppress(OverviewError):  # without PortAudio
+            found += [f"device {device.index} {device.name}" for device in devices()]
+        return [*view.TABLES["commands"]["names"], *found]
+
+    def get_system_commands(self, screen: Screen[object]) -> Iterable[SystemCommand]:
+        """Yield the commands of the palette."""
+        for choice in self.choices:
+            # a device's name after its number is only for display
+            words = choice.split()[: 2 if choice.startswith("device ") else None]
+            yield SystemCommand(choice, "", partial(self.player.queue_command, *words))
 
     def compose(self) -> ComposeResult:
-        """Yield title, legend, timeline, meters, messages and keys."""
-        yield self._title
+        """Yield read-out, timeline, legend, torque and vibration, state and keys."""
+        first, *others = self._rows.values()
+        yield from (first, self._view)
         if self._invitation:
             yield Static(self._invitation.splitlines()[0], id="invitation", markup=False)
-        yield self._legend
-        yield self._view
-        yield self._trace
-        yield self._meters
-        yield self._message_lines
-        yield self._state_line
-        yield Footer()
+        yield from others
 
     def on_mount(self) -> None:
         """Poll the player thirty times per second."""
@@ -214,66 +265,83 @@ class PlayApp(App[None]):
         if writer is not None and writer.pop_skipped():
             self.refresh(layout=True)
         try:
-            status = poll(self._player, self._source)
+            status = poll(self.player, self._source)
         except Exception as error:  # the command line shows it after the screen is restored
             self._end(error)
             return
-        if self._status is None or status.state != self._status.state:
-            self._state_line.update(status.state.text)
-            self._state_line.set_class(status.state.name == "output lost", "lost")
-        self._status = status
-        self._trace.show(status)
+        lines = [printable(line) for text in status.messages for line in text.splitlines()]
+        faults = status.stream.late + status.stream.underflows + status.dropped
+        if faults > self._faults:
+            lines.append("blocks were late, see i")
+        self._faults, self._status, now = faults, status, time.monotonic()
+        self._shown = [(since, line) for since, line in self._shown if now - since < MESSAGE_S]
+        self._shown += [(now, line) for line in lines]
         self._polls += 1
-        if self._polls % VIEW_EVERY == 0:
-            self._view.show(status)
-            self._show_legend()
-        source = self._source
-        peaks = self._peaks
-        peaks[:] = max(peaks[0], status.peak_click), max(peaks[1], status.peak_tactor)
-        if self._polls % METERS_EVERY == 0:
-            texts = ("" if source is None else source.status_text, status.following or "")
-            finger = finger_position(self._player)
-            place, _, event = self._report.here(status.cursor if finger is None else finger)
-            words = "" if event is None else event_text(event, self._player.timeline.sides)
-            with_peaks = replace(status, peak_click=peaks[0], peak_tactor=peaks[1])
-            self._meters.show(
-                with_peaks,
-                printable(f"{place}  {words}".rstrip()),
-                printable("; ".join(filter(None, texts))),
-            )
-            peaks[:] = 0.0, 0.0
-        if status.touching and self._shown[:1] == [(math.inf, HINT)]:
-            self._shown = self._shown[1:]
-        self._show_messages(status.messages)
+        if self._trace.add(status) or self._polls % POLLS_PER_SECOND == 1:
+            hz = self.player.engine.preset.number("tactor.frequency_hz")
+            self._rows["signals"].draw(self._trace.rows(status, hz, self.size.width))
+        moves = status.touching or not self.player.at_rest
+        if self._polls % (VIEW_EVERY if moves else 2 * VIEW_EVERY) == 0:
+            self._show(status)
 
-    def _show_legend(self) -> None:
-        """Show the title, and the mark of each event kind in the colours of the view."""
-        surface = self._player.engine.surface
-        if surface is not self._legend_surface:
-            self._legend_surface = surface
-            text = Text(no_wrap=True, overflow="ellipsis")
-            for mark, colour, kind in marks(self._player):
-                text.append(f"{mark} ", f"bold {colour}").append(f"{kind}  ")
-            text.append("◉ disk  ▼ input", "dim")
-            self._legend.update(text)
-            self._title.update(title_text(self._player.timeline))
+    def _show(self, status: Status) -> None:
+        """Draw what has changed: read-out, timeline, state and keys, and a new legend."""
+        player, window, (width, height) = self.player, self.player.active_window, self.size
+        place, drawn = finger_position(player), (player.engine.surface, self.size, self._view.size)
+        is_new, self._drawn = drawn != self._drawn, drawn
+        if place is not None:
+            self._finger = place, player.time_at(place)
+        elif is_new and self._finger is not None:  # the same moment in another window
+            at = float(window.angle_map.position_of(self._finger[1] - player.window[0]))
+            self._finger = min(max(at, 0.0), 1.0), self._finger[1]
+        if is_new:
+            self._labels = view.Labels(player, self.skin)
+            self._rows["legend"].draw([self._labels.legend(width)])
+        last_s = window.window_timeline.known_until_s or window.window_timeline.duration_s
+        finger = self._finger[0] if self._finger else float(window.angle_map.position_of(last_s))
+        (moment, end, value), _, event = self._report.here(finger)
+        end = "where you let go" if self._finger and place is None else end
+        named = [] if event is None else view.cells(*self._labels.named(event))
+        source = (status.following or "") if self._source is None else self._source.status_text
+        recording = f"take: {status.recording}" if status.recording else ""
+        said = list(dict.fromkeys(line for _, line in self._shown))[-2:]
+        texts = [*said, source, recording]
+        scored = zip(player.timeline.sides, value.split(" to "), strict=False)
+        texts.append(", ".join(f"{team} {goals}" for team, goals in scored if goals.isdigit()))
+        note, large = "; ".join(filter(None, texts)), (self.skin.has_utf8, height >= FULL)
+        lines = [view.cells(*title(player.timeline, self.skin))]
+        lines += readout((moment, end, value), named, note, *large, width)
+        self._rows["readout"].draw([view.spread(width, line) for line in lines])
+        shown = finger if self._finger else None
+        self._view.show(is_new, status.cursor, shown, place is not None, event)
+        self._rows["state"].draw([self._state(status, width)])
+        first = "Esc release" if player.pointer.touching else ""
+        first = "] next event" if self._finger and not status.touching else first
+        first = "p stop" if status.replay is not None else first
+        first = "c device" if status.state.name == "output lost" else first
+        self._rows["keys"].draw([keys(width, first)])
 
-    def _show_messages(self, messages: tuple[str, ...]) -> None:
-        """Show new messages, and remove old ones."""
-        now = time.monotonic()
-        shown = [(since, line) for since, line in self._shown if now - since < MESSAGE_S]
-        shown += [(now, printable(line)) for text in messages for line in text.splitlines()]
-        text = "\n".join(line for _, line in shown[-2:])
-        if text != self._message_text:
-            self._message_text = text
-            self._message_lines.update(text)
-        self._shown = shown
+    def _state(self, status: Status, width: int) -> view.Row:
+        """Return the row with the state, its reason, and the output."""
+        name, reason = status.state.name, status.state.reason
+        if name == "output lost":
+            text = view.shortened(f"{reason}. Plug it in, or press c", width - 14)
+            return view.cells((f" Output lost  {text}".ljust(width), "lost"))
+        reason = "released" if name == "no input" and self._finger else reason
+        reason = self._shown[-1][1] if self.size.height < FULL and self._shown else reason
+        left = view.cells((name.capitalize(), "bold"), ("  ", ""))
+        left += view.cells((view.shortened(reason, width - 2 - len(left)), ""))
+        delay = f"output {status.stream.latency_s * 1e3:.1f} ms"
+        block = f"{status.block_size} frames, {status.sample_rate / 1e3:g} kHz, {delay}"
+        rights = (f"{status.output}, {block}", block, delay, "")
+        right = next(text for text in rights if len(left) + len(text) + 4 <= width or not text)
+        return view.spread(width, left, view.cells((right, "")))
 
     def _end(self, failure: Exception | None = None) -> None:
         """Close the player, then the screen, which may take longer."""
         self.failure, self._ended = failure, True
         try:
-            self._player.close()
+            self.player.close()
         except Exception as error:
             self.failure = failure or error
         self.exit()
@@ -284,29 +352,32 @@ class PlayApp(App[None]):
 
     def action_press(self, key: str) -> None:
         """Run the action of a key."""
-        self._key_actions.press(key)
+        self._actions.press(key)
 
     def action_remote(self) -> None:
         """Show how to connect a phone."""
         if self._invitation:
             self.push_screen(TextScreen(self._invitation))
 
+    def action_figures(self) -> None:
+        """Show the figures of the output and the signal processing, and past stops."""
+        status = self._status or self.player.poll()
+        actuator, protected, load = status.settings.actuator, status.protected, status.stream
+        times = (1e3 * load.latency_s, 1e6 * load.p99_s, 1e6 * load.longest_s, 1e3 * status.torque)
+        text = view.TABLES["words"]["figures"].format(*times, status=status, stream=load)
+        text += "" if self._source is None else f"{self._source.status_text}\n"
+        if actuator is not None and protected is not None:
+            text += f"{actuator.name} {-protected.reduction_db:.1f} dB"
+        self.push_screen(TextScreen("\n".join(map(printable, text.splitlines()))))
+
     def action_help(self) -> None:
         """Show the help on keys."""
-        self.push_screen(TextScreen(help_text(self._player)))
+        self.push_screen(TextScreen(help_text(self.player, self.skin)))
 
 
-def run(
-    player: Player,
-    source: Input | None = None,
-    stopped: Callable[[], bool] | None = None,
-    invitation: str = "",
-) -> None:
-    """Run the application until the user quits or `stopped()`; raise errors of the player.
-
-    `invitation` explains how to connect another device. Its first line is always shown.
-    """
-    app = PlayApp(player, source, stopped, invitation)
+def run(player: Player, *arguments: Any) -> None:
+    """Run a `PlayApp` until the user quits or it is stopped; raise errors of the player."""
+    app = PlayApp(player, *arguments)
     app.run()
     if app.failure is not None:
         raise app.failure

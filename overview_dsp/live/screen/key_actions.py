@@ -3,31 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
+from typing import Any
 
 from overview_dsp.files.toml import load_toml
-from overview_dsp.live.screen.timeline_view import STRETCHED, marks
+from overview_dsp.live.screen.timeline_view import Labels, Skin
 from overview_dsp.live.session.player import Player
 
 STEP = 0.01
 ZOOM = 1.5
 
-HELP: dict[str, str] = load_toml(__file__, "help.toml")
-"""Help on the keys: of the full screen, and of plain mode."""
+HELP: dict[str, Any] = load_toml(__file__, "help.toml")
+"""Help on the keys, of the full screen and of plain mode, and what terminals send for them."""
 
 
 class KeyActions:
-    """Actions of the keys on a player.
-
-    Thread: control.
-    """
+    """Actions of the keys on a player (control thread)."""
 
     def __init__(self, player: Player) -> None:
         self._player = player
         self._actions: dict[str, Callable[[], object]] = {
-            "left": lambda: self._move(-1),
-            "right": lambda: self._move(1),
-            "shift+left": lambda: self._move(-10),
-            "shift+right": lambda: self._move(10),
             "home": lambda: player.touch(0.0),
             "end": lambda: player.touch(1.0),
             "space": self._release_or_tap,
@@ -36,23 +31,20 @@ class KeyActions:
             "[": lambda: player.go_to_event(-1, self._position()),
             "]": lambda: player.go_to_event(1, self._position()),
             "+": lambda: player.zoom(ZOOM, self._position()),
-            "=": lambda: player.zoom(ZOOM, self._position()),
             "-": lambda: player.zoom(1.0 / ZOOM, self._position()),
             "0": lambda: player.show(0.0, player.timeline.duration_s),
             "R": player.toggle_take,
             "p": player.toggle_replay,
-            "P": player.toggle_replay,
-            "n": lambda: player.queue_command("missed"),
-            "k": lambda: player.queue_command("mark"),
-            "u": lambda: player.queue_command("unmark"),
             "1": lambda: player.choose_preset(0),
             "2": lambda: player.choose_preset(1),
-            "m": lambda: player.queue_command("mute", "click"),
-            "t": lambda: player.queue_command("mute", "tactor"),
+            **{key: partial(self._move, steps) for key, steps in HELP["steps"].items()},
         }
+        for key, words in HELP["commands"].items():
+            self._actions[key] = partial(player.queue_command, *words)
 
     def press(self, key: str) -> bool:
         """Run the action of a key, named as in `_actions`; return whether it has one."""
+        key = HELP["same"].get(key, key)
         if key in self._actions:
             self._actions[key]()
         return key in self._actions
@@ -74,11 +66,10 @@ class KeyActions:
             self._player.tap(self._player.pointer.position)
 
 
-def help_text(player: Player) -> str:
-    """Return the help on keys and marks."""
-    shown = "  ".join(f"{mark} {kind}" for mark, _, kind in marks(player)) or "no events"
+def help_text(player: Player, skin: Skin) -> str:
+    """Return the help on keys and signs."""
+    signs = (f"{sign} {text}" for (sign, _), text in Labels(player, skin).kinds())
+    shown = "  ".join(signs).replace("_", " ") or "no events"
     if sides := player.timeline.sides:
         shown += f"\nupper lane: {sides[0]}, lower lane: {sides[1]}"
-    if not player.active_window.angle_map.is_linear:
-        shown += f"\n{STRETCHED} time is stretched, because events are close together"
-    return HELP["full"].replace("MARKS", shown)
+    return str(HELP["full"]).replace("MARKS", shown)

@@ -28,42 +28,30 @@ POLL_EVERY_S = 0.03
 LINE_EVERY_S = 0.25
 """Shortest time between two lines on the position."""
 
-ESCAPES = {
-    "[C": "right", "[D": "left", "[H": "home", "[F": "end", "OC": "right", "OD": "left",
-    "[1~": "home", "[4~": "end", "[1;2C": "shift+right", "[1;2D": "shift+left",
-}  # fmt: skip
-MOVES = {
-    "left", "right", "shift+left", "shift+right", "home", "end", "space", "enter", "escape",
-    "[", "]",
-}  # fmt: skip
 _SEQUENCE = re.compile(r"\[[\d;]*[A-Za-z~]|O[A-Z]")
-NAMES = {" ": "space", "\r": "enter", "\n": "enter", "\x03": "q"}
 
 
 def parse_keys(text: str) -> Iterator[str]:
     """Yield the names of the keys in text from a terminal."""
     while text:
         if text[0] != "\x1b":
-            yield NAMES.get(text[0], text[0])
+            yield HELP["names"].get(text[0], text[0])
             text = text[1:]
             continue
         found = _SEQUENCE.match(text, 1)
-        yield ESCAPES.get(found[0], "of that name") if found else "escape"
+        yield HELP["escapes"].get(found[0], "of that name") if found else "escape"
         text = text[1 + len(found[0] if found else "") :]
 
 
 class LineSession:
-    """Keys of a session, and reports on its finger.
-
-    Thread: control.
-    """
+    """Keys of a session, and reports on its finger (control thread)."""
 
     def __init__(self, player: Player, say: Callable[[str], None], address: str) -> None:
         """Report to `say`; `address` explains how to connect a phone."""
         self._player, self._report = player, PositionReport(player)
         self._say_line, self._address = say, address
         self._actions = KeyActions(player)
-        self._command: str | None = None  # that is being typed
+        self.command: str | None = None  # that is being typed
         self._finger: float | None = None
         self._place = player.pointer.position
         self._asked = self._moved = False
@@ -78,14 +66,14 @@ class LineSession:
     def press(self, key: str) -> None:
         """Run the action of a key, or add it to the command that is being typed."""
         before, player = finger_position(self._player), self._player
-        if self._command is not None:
+        if self.command is not None:
             self._type(key)
         elif key == "?":
             self.say(HELP["plain"] if player.blind is None else HELP["blind"] + HELP["plain"])
         elif player.blind is not None and key in blind.KEYS:
             player.queue_command(*blind.KEYS[key])
         elif key == "c":
-            self._command = ""
+            self.command = ""
             self.say(f"Command, then Enter: {', '.join(FORMS.values())}")
         elif key == "r":
             self.say(self._address or "No address: start with --remote.")
@@ -96,30 +84,25 @@ class LineSession:
             self.say(f"{self._report.text(self._place)} Disk {holder}. {state}.")
         elif not self._actions.press(key):
             self.say(f"No key {key}. Press question mark.")
-        elif key in MOVES:
+        elif key in HELP["moves"]["names"]:
             place = player.pointer.position
             if key in "[]" and (place == before or not player.pointer.touching):
                 self.say("No next event." if key == "]" else "No previous event.")
             else:
                 self._place, self._asked = place, True
 
-    @property
-    def typing(self) -> bool:
-        """State of the keyboard: True while a command is typed."""
-        return self._command is not None
-
     def _type(self, key: str) -> None:
         if key in ("enter", "escape"):
-            words = tuple((self._command or "").split())
-            self._command = None
+            words = tuple((self.command or "").split())
+            self.command = None
             if key == "enter" and words:
                 self._player.queue_command(*words)
             else:
                 self.say("No command.")
         elif key in ("\x7f", "\x08"):
-            self._command = (self._command or "")[:-1]
+            self.command = (self.command or "")[:-1]
         elif key == "space" or (len(key) == 1 and key.isprintable()):
-            self._command = (self._command or "") + key.replace("space", " ")
+            self.command = (self.command or "") + key.replace("space", " ")
 
     def update(self, now_s: float) -> None:
         """Print what has changed since the last call; call this often."""
@@ -174,7 +157,7 @@ def run(
             for line in poll(player, source).messages:
                 session.say(line)
             for key in parse_keys(read()):
-                if key == "q" and not session.typing:
+                if key == "q" and session.command is None:
                     player.close()
                     return
                 session.press(key)

@@ -18,14 +18,9 @@ from overview_dsp.live.session.player import Player
 from overview_dsp.public import counted
 from overview_dsp.units import HALF_TURN, clock_text
 
-NAMED, COUNTED = 2, 3
-"""Maximum number of passed events that are named, and of their kinds that are counted."""
-
-AT = 0.005
-"""Distance from an extreme (of the window) within which the finger is on it."""
-
-MOST_POINTS = 1_000_000
-"""Maximum number of points of a curve whose extremes are searched."""
+NAMED, COUNTED, AT, MOST_POINTS = 2, 3, 0.005, 1_000_000
+"""Maximum number of passed events that are named, and of their kinds that are counted; distance
+from an extreme within which the finger is on it; maximum number of points that are searched."""
 
 DERIVED_UNIT = "0..1"
 """In the unit of a curve that was derived from events, whose values mean nothing."""
@@ -67,10 +62,7 @@ def finger_position(player: Player) -> float | None:
 
 
 class PositionReport:
-    """Reports on positions of an input, each with the events passed since the one before.
-
-    Thread: control.
-    """
+    """Reports on positions, each with the events passed since the last one (control thread)."""
 
     def __init__(self, player: Player) -> None:
         self._player = player
@@ -92,22 +84,21 @@ class PositionReport:
         date = f"{day.day} {day:%B %Y}"
         return date if width_s > _DAYS_FROM_S else f"{date}, {day:%H:%M}"
 
-    def here(self, position: float) -> tuple[str, float, Event | None]:
-        """Return moment and value of a position (0 to 1) of the window, its time and its event."""
+    def here(self, position: float) -> tuple[tuple[str, str, str], float, Event | None]:
+        """Return moment, start or end, and value of a position (0 to 1), its time, its event."""
         self._prepare()
         time_s = self._player.time_at(position)
         event = self._event_at(position)
         end = "start" if position <= 0.0 else "end" if position >= 1.0 else ""
         known_s = time_s if event is None else max(time_s, event.time_s)  # of the score
-        parts = self.moment(time_s), end, self._value(time_s, known_s)
-        return ", ".join(filter(None, parts)), time_s, event
+        return (self.moment(time_s), end, self._value(time_s, known_s)), time_s, event
 
     def text(self, position: float) -> str:
         """Return the report on a position: moment and value, event entered, events passed."""
         place, time_s, event = self.here(position)
         last, self._last = self._last, (time_s, event)
-        parts = [place]
-        if event is not None and (last is None or not _is_same(last[1], event)):
+        parts = [", ".join(filter(None, place))]
+        if event is not None and (last is None or not is_same(last[1], event)):
             parts.append(event_text(event, self._player.timeline.sides))
         if last is not None and (passed := self._passed(last, time_s, event)):
             parts.append(f"passed {passed}")
@@ -170,7 +161,7 @@ class PositionReport:
             for one in (*self._player.timeline.events, *self._extremes)
             # the start belongs to the report before
             if (began_s < one.time_s <= time_s or time_s <= one.time_s < began_s)
-            and not (_is_same(one, last[1]) or _is_same(one, event))
+            and not (is_same(one, last[1]) or is_same(one, event))
         ]
         if len(passed) <= NAMED:
             return ", ".join(event_text(one, self._player.timeline.sides) for one in passed)
@@ -180,7 +171,7 @@ class PositionReport:
         return ", ".join(counted(count, kind) for kind, count in kinds.items())
 
 
-def _is_same(one: Event | None, other: Event | None) -> bool:
+def is_same(one: Event | None, other: Event | None) -> bool:
     """Return whether two events are one, whose time was computed from different windows."""
     if one is None or other is None:
         return one is other

@@ -7,13 +7,17 @@ output while the terminal doesn't read. The whole screen is drawn again when it 
 from __future__ import annotations
 
 import os
+import re
 import select
 import threading
+import unicodedata
 from collections import deque
 from collections.abc import Mapping
 from typing import IO, Any
 
 from textual.driver import Driver
+
+from overview_dsp.files.toml import load_toml
 
 MAX_QUEUED = 65_536
 """Number of queued bytes above which output is skipped."""
@@ -26,7 +30,7 @@ END_WITHIN_S = 0.3
 
 CHUNK = 512
 
-ASCII = str.maketrans("▁▂▃▄▅▆▇█▲◆●■✚★◇○◉▼┊│─═╭╮╰╯▏▎▔·→←°µ…", "_.-:=+*#^v@%+*<oOV||-=++++||-.><'u.")
+ASCII = str.maketrans(*load_toml(__file__, "signs.toml")["ascii"].values())
 """Replacements for a terminal without UTF-8, of the same width."""
 
 
@@ -38,10 +42,7 @@ def has_utf8(environment: Mapping[str, str]) -> bool:
 
 
 class TerminalWriter(threading.Thread):
-    """Writer to a terminal in a thread of its own, which replaces Textual's.
-
-    Thread: any for `write`.
-    """
+    """Writer in a thread of its own, which replaces Textual's; any thread may call `write`."""
 
     def __init__(self, file: IO[str]) -> None:
         """Prepare to write to an open terminal; `start` starts the thread."""
@@ -65,7 +66,8 @@ class TerminalWriter(threading.Thread):
             if self._utf8:
                 data = text.encode("utf-8", "replace")
             else:
-                data = text.translate(ASCII).encode("ascii", "replace")
+                plain = unicodedata.normalize("NFD", text.translate(ASCII))
+                data = re.sub("[\u0300-\u036f]", "", plain).encode("ascii", "replace")
             self._queue.append(data)
             self._count += len(data)
             self._changed.notify()

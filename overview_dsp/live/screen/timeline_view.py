@@ -1,262 +1,143 @@
-"""View of the timeline in the terminal: friction, events, input, disk and axis.
+"""View of the timeline: lanes, curve, groove with disk and finger, axis; signs and colours.
 
-Events of two teams have two lanes, the first team's above. Signs, or letters in ASCII, tell kind
-and team without colour; an event of no team is in both lanes.
-
-The disk sticks where friction is high, so its cursor lags behind the input. The shaft between the
-two is drawn (the paper's pseudo-haptic effect).
+The curve is the timeline's own, or else the friction; it is bright behind the disk. Two teams have
+two lanes; events of a series stand at its curve. The disk sticks where friction is high, and a
+spring leads to the finger.
 """
 
 from __future__ import annotations
 
 import math
-import os
-from collections.abc import Iterator
-from itertools import pairwise
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from datetime import timedelta
+from itertools import groupby, zip_longest
+from typing import Any
 
 import numpy as np
+from rich.cells import cell_len
 from rich.segment import Segment
 from rich.style import Style
-from rich.text import Text
 from textual import events
 from textual.geometry import Region
 from textual.strip import Strip
 from textual.widget import Widget
 
+from overview_dsp.arrays import FloatArray
 from overview_dsp.data.timeline import Event, Timeline
+from overview_dsp.data.timeline.ticks import KINDS, window_ticks
 from overview_dsp.errors import printable
-from overview_dsp.live.screen.position_report import running_scores
+from overview_dsp.files.toml import load_toml
+from overview_dsp.live.screen import position_report as report
 from overview_dsp.live.screen.terminal import has_utf8
 from overview_dsp.live.session.player import Player
-from overview_dsp.live.session.session import Status
 from overview_dsp.units import clock_text
 
-BLOCKS = " ▁▂▃▄▅▆▇█"
-MARKS = "▲◆●■✚★◇○"
-COLOURS = ("green", "yellow", "cyan", "magenta", "red", "blue", "white")
-TEAM_MARKS = {
-    "goal": "●○Gg", "own_goal": "⊗⊗Oo", "withdrawn_goal": "⊖⊖Ww", "near_miss": "▲△Nn",
-    "yellow_card": "■□Yy", "red_card": "▰▱Rr", "foul": "××xx", "period": "││||",
-}  # fmt: skip
-"""Marks of both teams by kind, and their letters in ASCII."""
+Cell = tuple[str, str]
+"""Character, or text, and name of its colour, with `!` at the end if it is reversed."""
 
-OTHER_MARKS = "◆✚★◇"
-TEAM_COLOURS = ("white", "color(75)", "color(212)")
-"""Colours of events of no team and of the two teams: white, blue and pink."""
+Row = list[Cell]
+TABLES: dict[str, Any] = load_toml(__file__, "signs.toml")
+PIECE, MARGIN, LEAST = 16, 2, 0.02
+"""Longest run of cells that is sent again, cells beside the picture, least height of a curve."""
 
-CARD_COLOURS = {"yellow_card": "color(221)", "red_card": "color(203)"}
 SCORES_FROM, LANES_FROM = 20, 12
 """Heights of the screen from which goals have their score, and each team its lane."""
 
-LEAST_WITH_SCORES = 8
-"""Height of the view below which goals have no score."""
-
-NOW = "┊"
-"""Mark of the time up to which a live timeline has data."""
-
-STRETCHED = "═"
-"""Mark on the axis where the angle map separates close events."""
-
-AXIS_ROWS, INPUT_ROWS = 1, 1
-MARK_EVERY = 2
-"""Updates between two marks of the disk's column, a colourful line that is slow to send."""
+BLOCKS, NOTCH = " ▁▂▃▄▅▆▇█", "─╲│╱─"
+HINTS = (" Drag here with the mouse, or hold → ", " Drag, or hold → ", " Hold → ", "")
 
 
-class TimelineView(Widget):
-    """Window of the timeline, which the mouse touches."""
+class Skin:
+    """Signs and colours that a terminal can show."""
 
-    DEFAULT_CSS = "TimelineView { height: 1fr; min-height: 5; }"
+    def __init__(self, environment: Mapping[str, str], system: str | None = None) -> None:
+        """Choose them by the locale, NO_COLOR, Rich's name of the colours, and COLORFGBG."""
+        self.has_utf8 = has_utf8(environment)
+        background = environment.get("COLORFGBG", "").rpartition(";")[2]
+        name = "light" if background in ("7", "15") else "dark"
+        name = "sixteen" if system in ("standard", "windows") else name
+        self.name = "none" if "NO_COLOR" in environment else name
+        # of an unknown background the colours may not be seen: then it gets a dark one
+        is_known = background or self.name in ("none", "sixteen")
+        dark = "ansi-dark" if is_known else "textual-dark"
+        self.theme = "ansi-light" if self.name == "light" else dark
+        self.ahead = "░" if self.name in ("none", "sixteen") else "█"
+        self._styles = {token: Style.parse(text) for token, text in TABLES[self.name].items()}
 
-    def __init__(self, player: Player) -> None:
-        super().__init__()
-        self._player = player
-        self._cursor = self._input = 0.0
-        self._touching = False
-        self._mark = self._updates = 0
-        self._now: int | None = None
-        self._stretched: list[tuple[int, int]] = []
-        self._drawn: tuple[object, ...] | None = None
-        self._pressed: float | None = None
+    def style(self, token: str) -> Style:
+        """Return the style of a colour's name."""
+        if token not in self._styles:
+            self._styles[token] = self._styles[token.rstrip("!")] + Style(reverse=True)
+        return self._styles[token]
 
-    # --- the mouse ------------------------------------------------------------------------------
+    def sign(self, kind: str, number: int = 0, side: int = 1) -> Cell:
+        """Return the sign of an event by its kind and team, or by the number of its kind."""
+        for place, colour in (("above", "first"), ("below", "second")):
+            if signs := TABLES[place].get(kind):
+                return signs[not self.has_utf8], colour
+        others = TABLES["other"]["signs"]
+        signs = others[number % len(others)] * 2 + kind[0].upper() + kind[0]
+        signs = TABLES["kinds"].get(kind, signs)
+        cards = {"yellow_card": "yellow", "red_card": "red"}
+        colour = cards.get(kind, ("bold", "first", "second")[side])
+        return signs[(side == 2) + (0 if self.has_utf8 else 2)], colour
 
-    def _position(self, x: float) -> float:
-        return min(max(x / max(1, self.size.width - 1), 0.0), 1.0)
 
-    def on_mouse_down(self, event: events.MouseDown) -> None:
-        """Touch at the mouse's position."""
-        if event.button != 1:
-            return
-        self.capture_mouse()
-        self._pressed = self._position(event.x)
-        self._player.touch(self._pressed)
+def cells(*parts: Cell) -> Row:
+    """Return texts with their colours as cells; a wide character is followed by an empty one."""
+    chars = ((char, token) for text, token in parts for char in printable(text))
+    return [one for cell in chars for one in (cell, ("", cell[1]))[: cell_len(cell[0])]]
 
-    def on_mouse_move(self, event: events.MouseMove) -> None:
-        """Move the touch to the mouse's position."""
-        if self._pressed is not None and self._position(event.x) != self._pressed:
-            self._pressed = self._position(event.x)
-            self._player.touch(self._pressed)
 
-    def on_mouse_up(self, event: events.MouseUp) -> None:
-        """Release."""
-        if self._pressed is None:
-            return
-        self.release_mouse()
-        self._pressed = None
-        self._player.release()
+def shortened(text: str, room: int) -> str:
+    """Return as many whole words of a text as there is room for; a part of a first long one."""
+    words = printable(text).split()
+    if cell_len(" ".join(words)) <= room:
+        return " ".join(words)
+    while len(words) > 1 and cell_len(" ".join(words)) >= room:
+        words.pop()
+    return " ".join(words).rstrip(",;:.")[: max(0, room - 1)] + "…" * (room > 0)
 
-    # --- the picture ----------------------------------------------------------------------------
 
-    def show(self, status: Status) -> None:
-        """Draw the parts that have changed."""
-        width = self.size.width
-        now = (column(status.cursor, width), column(status.pointer, width), status.touching)
-        surface = (self._player.engine.surface, self.size, self.app.size)
-        before = (column(self._cursor, width), column(self._input, width), self._touching)
-        self._cursor, self._input = status.cursor, status.pointer
-        self._touching = status.touching
-        self._updates += 1
-        if self._drawn is None or surface != self._drawn:
-            self._measure()
-            self._mark = now[0]
-            self._drawn = surface
-            self.refresh()
-            return
-        if self._mark != now[0] and self._updates % MARK_EVERY == 0:
-            self._refresh_line(3, self._mark, now[0])
-            self._mark = now[0]
-        if now != before:
-            self._refresh_line(2, *now[:2], *before[:2])
+def spread(width: int, left: Sequence[Cell], right: Sequence[Cell] = ()) -> Row:
+    """Return a row with cells at both ends; the left ones give way."""
+    room = max(0, width - 2 - len(right))
+    if len(left) > room - bool(right):  # no word is cut
+        left = left[: max(0, room - bool(right))]
+        left = left[: max((x for x, cell in enumerate(left) if cell[0] == " "), default=len(left))]
+    row = [(" ", ""), *left, *[(" ", "")] * (room - len(left)), *right, (" ", "")]
+    return row[:width]
 
-    def _refresh_line(self, from_bottom: int, *columns: int) -> None:
-        """Draw a line, counted from the bottom, from the first to the last of the columns."""
-        first, last = min(columns), max(columns)
-        self.refresh(Region(first, max(0, self.size.height - from_bottom), last - first + 1, 1))
 
-    def _measure(self) -> None:
-        """Find the height of each column of the surface, and its event mark."""
-        width = max(1, self.size.width)
-        surface = self._player.engine.surface
-        # a column covers the positions that the mouse in it is rounded from
-        positions = np.clip((np.arange(width + 1) - 0.5) / max(1, width - 1), 0.0, 1.0)
-        friction = surface.resistance
-        edges = (positions * (len(friction) - 1)).astype(int)
-        columns = np.array(
-            [friction[low : max(high, low + 1)].max() for low, high in pairwise(edges)]
-        )
-        # logarithmic heights: the friction of a goal is a hundred times that of the base surface
-        low, high = math.log(friction.min()), math.log(friction.max())
-        self._heights = (np.log(columns) - low) / max(high - low, 1e-9)
-        height, teams = self.app.size.height, has_teams(self._player.timeline)
-        lanes = [dict[int, tuple[str, str]]() for _ in range(1 + (teams and height >= LANES_FROM))]
-        # events of a team last, over those of both
-        for event, kind, position in sorted(
-            _visible_events(self._player), key=lambda one: one[0].side
-        ):
-            own = lanes[event.side - 1 :][:1] if event.side else []
-            for lane in own or lanes:
-                lane[column(position, width)] = mark_of(event.kind, kind, event.side, teams)
-        self._marks = {x: mark for lane in lanes for x, mark in lane.items()}
-        self._top = [_lane_line(lane, width, teams) for lane in lanes]
-        if teams and height >= SCORES_FROM and self.size.height >= LEAST_WITH_SCORES:
-            self._top = [self._score_line(1, width), *self._top, self._score_line(2, width)]
-        until = self._player.active_window.window_timeline.known_until_s
-        angle_map = self._player.active_window.angle_map
-        self._now = None if until is None else column(float(angle_map.position_of(until)), width)
-        self._stretched = [
-            (column(first, width), column(last, width)) for first, last in angle_map.stretched()
-        ]
+class Cells(Widget):
+    """Rows of cells."""
+
+    def __init__(self, skin: Skin, **options: Any) -> None:
+        super().__init__(**options)
+        self.skin = skin
+        self.rows: Sequence[Row] = []
+
+    def draw(self, rows: Sequence[Row]) -> None:
+        """Show rows; only the cells that differ from those before are drawn."""
+        changed = []
+        for y, (new, old) in enumerate(zip_longest(rows, self.rows, fillvalue=Row())):
+            both = zip_longest(new, old) if new != old else ()
+            spans = [x for x, (one, other) in enumerate(both) if one != other]
+            changed += [Region(spans[0], y, spans[-1] - spans[0] + 1, 1)] if spans else []
+        self.rows = rows
+        if changed:
+            self.refresh(*changed)
 
     def render_line(self, y: int) -> Strip:
-        """Return a line: events, friction columns, input and disk, or axis."""
-        width, height = self.size.width, self.size.height
-        if self._drawn is None or len(self._heights) != width:
-            return Strip.blank(width, Style.null())
-        rows = height - AXIS_ROWS - INPUT_ROWS - len(self._top)
-        if y < len(self._top):
-            return Strip(self._top[y]).simplify()
-        if y == height - 1:
-            return Strip([Segment(self._axis(width), Style(dim=True))])
-        if y == height - 2:
-            return Strip(self._input_line(width))
-        return Strip(self._column_line(width, rows, height - 3 - y)).simplify()
-
-    def _score_line(self, side: int, width: int) -> list[Segment]:
-        """Return the score after each goal of a team, at its mark, as far as there is room."""
-        start_s, scores = self._player.window[0], running_scores(self._player.timeline)
-        found = {(goal.time_s - start_s, goal.kind, goal.label): text for goal, text in scores}
-        cells = [" "] * width
-        for event, _, position in _visible_events(self._player):
-            text = found.get((event.time_s, event.kind, event.label), "")
-            at = min(max(0, column(position, width) - len(text) // 2), max(0, width - len(text)))
-            around = cells[max(0, at - 1) : at + len(text) + 1]
-            if text and event.side == side and not "".join(around).strip():
-                cells[at : at + len(text)] = text
-        return [Segment("".join(cells[:width]), Style(bold=True))]
-
-    def _column_line(self, width: int, rows: int, row: int) -> list[Segment]:
-        """Return row `row` of the friction columns; row 0, the lowest, marks the disk's column."""
-        parts = np.clip(self._heights * rows - row, 0.0, 1.0)
-        line = []
-        for x in range(width):
-            block = BLOCKS[round(float(parts[x]) * (len(BLOCKS) - 1))]
-            colour = self._marks[x][1] if x in self._marks else "bright_black"
-            if x == self._now and block == " ":
-                line.append(Segment(NOW, Style(color="bright_white")))
-            elif x == self._mark and row == 0:
-                line.append(Segment("│" if block == " " else block, Style(color="bright_white")))
-            else:
-                line.append(Segment(block, Style(color=colour)))
-        return line
-
-    def _input_line(self, width: int) -> list[Segment]:
-        """Return the line of disk, shaft and input."""
-        cursor, pointer = column(self._cursor, width), column(self._input, width)
-        cells = [" "] * width
-        if self._touching:
-            for x in range(min(cursor, pointer), max(cursor, pointer) + 1):
-                cells[x] = "~"
-            cells[pointer] = "▼"
-        cells[cursor] = "◉"
-        return [Segment("".join(cells), Style(color="bright_white", bold=True))]
-
-    def _axis(self, width: int) -> str:
-        start, end = self._player.window
-        angle_map = self._player.active_window.angle_map
-        cells = [" "] * width
-        if self._now is not None:
-            first = max(0, min(self._now, width - len("now")))
-            cells[first : first + len("now")] = "now"
-        count = max(1, width // 16)
-        for i in range(count + 1):
-            time_s = (end - start) * i / count
-            text = time_text(self._player, start + time_s)
-            position = float(angle_map.position_of(time_s))
-            at = min(round(position * (width - 1)), width - len(text))
-            at = max(0, at - len(text) // 2) if 0 < i < count else max(0, at)
-            if not "".join(cells[max(0, at - 1) : at + len(text) + 1]).strip():
-                cells[at : at + len(text)] = text
-        for first, last in self._stretched:
-            for x in range(first, last + 1):
-                cells[x] = STRETCHED if cells[x] == " " else cells[x]
-        return "".join(cells[:width])
-
-
-def column(position: float, width: int) -> int:
-    """Return the column of a position (0 to 1); positions beyond an end are drawn at the end."""
-    return min(max(round(position * (width - 1)), 0), max(width - 1, 0))
-
-
-def time_text(player: Player, time_s: float) -> str:
-    """Return a time as clock time, or as a date if the timeline has a start date."""
-    from datetime import timedelta
-
-    start = player.timeline.start
-    if start is None:
-        return clock_text(time_s)
-    moment = start + timedelta(seconds=time_s)
-    long = player.window[1] - player.window[0] > 3 * 86_400
-    return moment.strftime("%Y-%m-%d" if long else "%m-%d %H:%M")
+        """Return a row in its colours."""
+        row = self.rows[y] if y < len(self.rows) else []
+        pieces = groupby(enumerate(row), key=lambda one: (one[1][1], one[0] // PIECE))
+        strip = Strip(
+            Segment("".join(cell[0] for _, cell in run), self.skin.style(token))
+            for (token, _), run in pieces
+        )
+        return strip.adjust_cell_length(self.size.width, Style.null())
 
 
 def has_teams(timeline: Timeline) -> bool:
@@ -264,51 +145,277 @@ def has_teams(timeline: Timeline) -> bool:
     return bool(timeline.sides) or any(event.side for event in timeline.events)
 
 
-def _visible_events(player: Player) -> Iterator[tuple[Event, int, float]]:
+def is_marked(event: Event, timeline: Timeline) -> bool:
+    """Return whether an event has a sign: not as a moment of the axis under a curve."""
+    return event.kind not in KINDS or timeline.intensity is None
+
+
+def visible_events(player: Player) -> Iterator[tuple[Event, int, float]]:
     """Yield the visible events in order, the numbers of their kinds, and their positions."""
     surface, events = player.engine.surface, player.engine.timeline.events
-    for index, kind, position in zip(surface.event, surface.kind, surface.position, strict=True):
+    numbers = {kind: number for number, kind in enumerate(player.timeline.kinds())}
+    for index, position in zip(surface.event, surface.position, strict=True):
         if index < len(events):
-            yield events[index], int(kind), float(position)
+            yield events[index], numbers.get(events[index].kind, 0), float(position)
 
 
-def mark_of(kind: str, number: int, side: int, teams: bool) -> tuple[str, str]:
-    """Return mark and colour of an event, by its kind and team, or the number of its kind."""
-    if not teams:
-        return MARKS[number % len(MARKS)], COLOURS[number % len(COLOURS)]
-    others = OTHER_MARKS[number % len(OTHER_MARKS)] * 2 + kind[0].upper() + kind[0]
-    found = TEAM_MARKS.get(kind, others)
-    mark = found[(side == 2) + (0 if has_utf8(os.environ) else 2)]
-    return mark, CARD_COLOURS.get(kind, TEAM_COLOURS[side])
+class Labels:
+    """Signs and names of the events of a window."""
+
+    def __init__(self, player: Player, skin: Skin) -> None:
+        self._timeline, self._skin = player.timeline, skin
+        shown = [one for one in visible_events(player) if is_marked(one[0], player.timeline)]
+        self._numbers = {event.kind: number for event, number, _ in shown}
+        self._counts = Counter(event.kind for event, _, _ in shown)
+        self._side = 0 if has_teams(player.timeline) else 1
+
+    def named(self, event: Event) -> list[Cell]:
+        """Return the sign of an event, a blank, and its text."""
+        text = report.event_text(event, self._timeline.sides)
+        number, side = self._numbers.get(event.kind, 0), self._side or event.side
+        sign = self._skin.sign(event.kind, number, side)
+        sign = sign if is_marked(event, self._timeline) else ("─", "")
+        return [sign, (" ", ""), (text[:1].upper() + text[1:], "bold")]
+
+    def kinds(self) -> list[tuple[Cell, str]]:
+        """Return sign, and name with number of events, of each visible kind."""
+        order = [*TABLES["kinds"], *TABLES["above"], *TABLES["below"], *self._counts]
+        return [
+            (self._skin.sign(kind, self._numbers[kind], self._side), f"{kind} {self._counts[kind]}")
+            for kind in sorted(self._counts, key=order.index)
+        ]
+
+    def legend(self, width: int) -> Row:
+        """Return the visible kinds, as far as there is room, and the signs of the curve."""
+        curve = self._timeline.intensity
+        unit = "friction" if curve is None else curve.unit
+        name = unit if 0 < len(unit) <= len("beats/minute") else "curve"
+        name = "crowd" if report.DERIVED_UNIT in unit else name
+        ahead = (self._skin.ahead, "ahead"), (" ahead", "")
+        right = cells(("█", "passed"), (f" {name}  ", ""), *ahead)
+        row: Row = []
+        for sign, text in self.kinds():
+            entry = cells(sign, (f" {text.replace('_', ' ')}  ", ""))
+            row += entry if len(row) + len(entry) + len(right) + 1 <= width else []
+        return spread(width, row, right)
 
 
-def _lane_line(lane: dict[int, tuple[str, str]], width: int, teams: bool) -> list[Segment]:
-    blank = ("·", "bright_black") if teams else (" ", "default")
-    cells = (lane.get(x, blank) for x in range(width))
-    return [Segment(mark, Style(color=colour, bold=mark != blank[0])) for mark, colour in cells]
+class TimelineView(Cells):
+    """Window of the timeline, which the mouse touches."""
 
+    def __init__(self, player: Player, skin: Skin) -> None:
+        super().__init__(skin)
+        self._player = player
+        self._drawn: tuple[object, ...] | None = None
+        self._pressed: float | None = None
+        self.left, self.span = MARGIN, 1
 
-def marks(player: Player) -> list[tuple[str, str, str]]:
-    """Return mark (of the first team), colour and kind of the visible events, in their order."""
-    teams = has_teams(player.timeline)
-    kinds = {number: event.kind for event, number, _ in _visible_events(player)}
-    return [
-        (*mark_of(kinds[number], number, 0, teams), kinds[number].replace("_", " "))
-        for number in sorted(kinds)
-    ]
+    def column(self, position: float) -> int:
+        """Return the column of a position; positions beyond an end (0, 1) are drawn at the end."""
+        return self.left + min(max(round(position * (self.span - 1)), 0), self.span - 1)
 
+    def position(self, x: float) -> float:
+        """Return the position of a column."""
+        return min(max((x - self.left) / max(1, self.span - 1), 0.0), 1.0)
 
-def title_text(timeline: Timeline) -> Text:
-    """Return the title, in which the names of the teams are the key to their marks."""
-    title = printable(timeline.title)
-    if not timeline.sides:
-        return Text(title)
-    (first, second), is_utf8 = map(printable, timeline.sides), has_utf8(os.environ)
-    before, _, rest = title.partition(first)
-    between, found, after = rest.partition(second)
-    if not found:
-        before, between, after = "", " ", f" {title}"
-    names = (f"● {first}", f"{second} ○") if is_utf8 else (first.upper(), second.lower())
-    return Text.assemble(
-        before, (names[0], TEAM_COLOURS[1]), between, (names[1], TEAM_COLOURS[2]), after
-    )
+    def on_mouse_down(self, event: events.MouseDown) -> None:
+        """Touch at the mouse's position."""
+        if event.button == 1:
+            self.capture_mouse()
+            self._pressed = self.position(event.x)
+            self._player.touch(self._pressed)
+
+    def on_mouse_move(self, event: events.MouseMove) -> None:
+        """Move the touch to the mouse's position."""
+        if self._pressed is not None and self.position(event.x) != self._pressed:
+            self._pressed = self.position(event.x)
+            self._player.touch(self._pressed)
+
+    def on_mouse_up(self, event: events.MouseUp) -> None:
+        """Release."""
+        if self._pressed is not None:
+            self.release_mouse()
+            self._pressed = None
+            self._player.release()
+
+    def show(
+        self, is_new: bool, disk: float, finger: float | None, held: bool, event: Event | None
+    ) -> None:
+        """Draw disk and finger, the sign of the event under it, and of a new surface everything."""
+        if is_new:
+            self._measure()
+        notch = NOTCH[round(disk * (len(NOTCH) - 1))]
+        at = None if finger is None else self.column(finger)
+        drawn = (self.column(disk), notch, at, held, event)
+        if is_new or drawn != self._drawn:
+            self._drawn = drawn
+            self.draw(self._composed(*drawn))
+
+    def _x_at(self, time_s: float) -> int:
+        """Return the column of a time of the window."""
+        return self.column(float(self._player.active_window.angle_map.position_of(time_s)))
+
+    def _measure(self) -> None:
+        """Make the rows without disk and finger, as they are behind the disk and ahead of it."""
+        width, height = max(1, self.size.width), max(1, self.size.height)
+        timeline, screen = self._player.active_window.window_timeline, self.app.size.height
+        teams, places = has_teams(timeline), TABLES["above"] | TABLES["below"]
+        self.left = MARGIN if width > 20 else 0
+        self.span = max(1, width - 2 * self.left)
+        shown = [one for one in visible_events(self._player) if is_marked(one[0], timeline)]
+        kinds = Counter(event.kind for event, _, _ in shown)
+        on_curve = set() if teams or timeline.intensity is None else places.keys() & kinds.keys()
+        scores = int(teams and screen >= SCORES_FROM and height >= 10)
+        count = 1 + (teams and screen >= LANES_FROM) if teams or kinds.keys() - on_curve else 0
+        lanes = range(scores, scores + (count if height >= 3 else 0))
+        self._groove, top = height - 1 - (height >= 4), len(lanes) + 2 * scores
+        low = int(height >= 7 and not on_curve.isdisjoint(TABLES["below"]))
+        stage = range(top, max(self._groove - low, top))
+        self._first = lanes.start if lanes else top
+        self._behind: list[Row] = [[(" ", "")] * width for _ in range(height)]
+        self._draw_stage(stage, not on_curve.isdisjoint(TABLES["above"]))
+        for y in lanes if teams else ():
+            self._behind[y][self.left : self.left + self.span] = [("·", "")] * self.span
+        for y, side in ((0, 1), (lanes.stop, 2)) if scores else ():
+            self._draw_scores(self._behind[y], side)
+        self._draw_axis()
+        ahead = {(char, "passed"): (char, "ahead") for char in BLOCKS}
+        if self.skin.ahead not in BLOCKS:
+            ahead = {(char, "passed"): ("░" if char > "▃" else " ", "ahead") for char in BLOCKS}
+        self._ahead = [[ahead.get(cell, cell) for cell in row] for row in self._behind]
+        self._signs = list[tuple[Event, list[tuple[int, int]]]]()
+        self._where = dict[tuple[int, int], Cell]()
+        # rare kinds last, over common ones, and events of a team over those of both
+        shown.sort(key=lambda one: (one[0].side, -kinds[one[0].kind]))
+        for event, number, position in shown:
+            x = self.column(position)
+            rows = list(lanes[event.side - 1 :][:1] or lanes) if event.side else list(lanes)
+            if event.kind in on_curve:
+                above = max(self._tops[x - self.left] - 1, min(top, self._groove - 1))
+                rows = [above if event.kind in TABLES["above"] else max(stage.stop - 1 + low, 0)]
+            sign = self.skin.sign(event.kind, number, event.side if teams else 1)
+            self._signs.append((event, [(y, x) for y in rows]))
+            self._where.update({(y, x): sign for y in rows})
+        for (y, x), sign in self._where.items():
+            self._behind[y][x] = self._ahead[y][x] = sign
+
+    def _values(self, times: FloatArray) -> FloatArray:
+        """Return the curve, or the friction, at the columns, 0 to 1; NaN without data."""
+        timeline, friction = self._player.active_window.window_timeline, self._player.engine.surface
+        curve = timeline.intensity
+        if curve is None or self.span < 2:
+            edges = np.clip((np.arange(self.span) - 0.5) / max(1, self.span - 1), 0.0, 1.0)
+            index = (edges * (len(friction.resistance) - 1)).astype(int)
+            # logarithmic: the friction of a goal is a hundred times that of the base surface
+            value = np.log(np.maximum.reduceat(friction.resistance, index))
+        else:
+            value = curve.band(times, timeline.gaps)[2].copy()
+        until = timeline.known_until_s
+        value[times > (math.inf if until is None else until)] = np.nan
+        known = value[~np.isnan(value)]
+        low, high = (float(known.min()), float(known.max())) if len(known) else (0.0, 1.0)
+        if curve is not None:
+            low = 0.0 if 0.0 <= low <= 0.6 * high else low - 0.1 * (high - low)
+        return np.clip((value - low) / (high - low if high > low else 1.0), LEAST, 1.0)
+
+    def _draw_stage(self, stage: range, has_signs: bool) -> None:
+        """Draw the curve, gaps, and the time up to which there are data."""
+        window = self._player.active_window
+        value = self._values(window.angle_map.time_at(np.linspace(0.0, 1.0, self.span)))
+        known, until = ~np.isnan(value), window.window_timeline.known_until_s
+        rows = max(1, len(stage) - has_signs)
+        eighths = np.ceil(8.0 * rows * np.where(known, value, 0.0)).astype(int)
+        self._tops = np.where(known, stage.stop - 1 - (eighths - 1) // 8, -1).tolist()
+        for y in stage:
+            levels = np.clip(eighths - 8 * (stage.stop - 1 - y), 0, 8)
+            line = [(BLOCKS[level], "passed") for level in levels]
+            for x in np.flatnonzero(~known):
+                line[x] = "╱" if (x + y) % 4 == 0 else " ", ""
+            self._behind[y][self.left : self.left + self.span] = line
+        for start_s, end_s in window.window_timeline.gaps if len(stage) > 2 else ():
+            first, last = self._x_at(start_s), self._x_at(end_s)
+            if last - first > len("no data"):
+                self._write(stage.start, (first + last - len("no data")) // 2, "no data")
+        self._now = self.left + self.span if until is None else self._x_at(until)
+        if until is not None and stage:
+            text = f" Now {self._player.timeline.moment_text(until + self._player.window[0])} "
+            for y in stage:
+                self._behind[y][self._now] = "│", ""
+            is_beyond = self._now + 1 + len(text) <= self.left + self.span
+            self._write(stage.stop - 1, self._now + 1 if is_beyond else self._now - len(text), text)
+
+    def _write(self, y: int, x: int, text: str) -> None:
+        """Write text into a row."""
+        self._behind[y][max(x, 0) : max(x, 0) + len(text)] = cells((text, ""))
+
+    def _draw_scores(self, row: Row, side: int) -> None:
+        """Draw the score after each goal of a team, at its sign, as far as there is room."""
+        start_s, scores = self._player.window[0], report.running_scores(self._player.timeline)
+        found = {(goal.time_s - start_s, goal.kind, goal.label): text for goal, text in scores}
+        for event, _, position in visible_events(self._player):
+            text = found.get((event.time_s, event.kind, event.label), "")
+            at = min(max(0, self.column(position) - len(text) // 2), max(0, len(row) - len(text)))
+            around = "".join(char for char, _ in row[max(0, at - 1) : at + len(text) + 1])
+            if text and event.side == side and not around.strip():
+                row[at : at + len(text)] = cells((text, "bold"))
+
+    def _draw_axis(self) -> None:
+        """Draw groove and axis; the line of the groove changes at equal times."""
+        window, end = self._player.active_window, self.left + self.span
+        ticks = [(self._x_at(time_s), text) for time_s, text in self._ticks(self.span // 9 + 1)]
+        gaps = [tuple(map(self._x_at, gap)) for gap in window.window_timeline.gaps]
+        for x in range(self.left, end):
+            line = "─━"[sum(place <= x for place, _ in ticks) % 2]
+            line = " " if any(first < x < last for first, last in gaps) else line
+            self._behind[self._groove][x] = "·" if x > self._now else line, ""
+        uneven = "" if window.angle_map.is_linear or self.span < 60 else " uneven"
+        taken = 0
+        for place, text in ticks if self._groove + 1 < len(self._behind) else ():
+            at = max(place - len(text) // 2, 0)
+            if taken <= at <= end - len(uneven) - len(text):
+                self._write(-1, at, text)
+                taken = at + len(text) + 1
+        if taken:
+            self._write(-1, end - len(uneven), uneven)
+
+    def _ticks(self, most: int) -> Iterator[tuple[float, str]]:
+        """Yield times and texts of at most so many moments of the axis, at equal times."""
+        begin, (start_s, end_s) = self._player.timeline.start, self._player.window
+        start = None if begin is None else begin + timedelta(seconds=start_s)
+        found = window_ticks(start, start_s, end_s - start_s)
+        every = math.ceil(len(found) / most) or 1
+        for tick in found[every - 1 :: every]:
+            text = clock_text(start_s + tick.time_s).removesuffix(".0")
+            if start is not None:
+                moment = start + timedelta(seconds=tick.time_s)
+                text = moment.strftime(TABLES["dates"].get(tick.kind, "%H:%M")).removeprefix("0")
+            yield tick.time_s, text
+
+    def _composed(
+        self, disk: int, notch: str, finger: int | None, held: bool, event: Event | None
+    ) -> list[Row]:
+        """Return the rows with disk, spring and finger, and before any touch a hint."""
+        both = zip(self._behind, self._ahead, strict=True)
+        rows = [[*one[: disk + 1], *two[disk + 1 :]] for one, two in both]
+        groove, end = rows[self._groove], self.left + self.span
+        middle = min(max(disk, self.left + 1), end - 2)
+        if finger is not None:
+            for y in range(self._first, self._groove):
+                line = "╋" if self._tops[finger - self.left] == y else "┃"
+                if (y, finger) not in self._where:
+                    rows[y][finger] = line if held else "┊", "hand"
+            for x in range(min(disk, finger), max(disk, finger)) if held else ():
+                groove[x] = "╱╲"[x % 2], "hand"
+            groove[finger] = (" ", "hand!") if held else ("○", "hand")
+        drawn = list(enumerate(cells((f" {notch} ", "disk")), middle - 1))
+        if finger is None:
+            hint = next(one for one in HINTS if middle + 3 + len(one) <= end or not one)
+            drawn += enumerate(cells((hint, "label")), middle + 3)
+        for x, cell in drawn:
+            groove[max(x, 0) : max(x, 0) + 1] = [cell]
+        start_s = self._player.window[0]
+        for one, where in self._signs if event is not None else ():
+            if report.is_same(one.moved(one.time_s + start_s), event):
+                for y, x in where:
+                    rows[y][x] = self._where[y, x][0], f"{self._where[y, x][1]}!"
+        return rows

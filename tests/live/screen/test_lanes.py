@@ -11,11 +11,12 @@ import pytest
 import overview_dsp as ov
 from overview_dsp.live.output.settings import OutputSettings
 from overview_dsp.live.output.stream import NullStream
+from overview_dsp.live.screen.app import title
 from overview_dsp.live.screen.key_actions import help_text
-from overview_dsp.live.screen.timeline_view import TimelineView, column, mark_of, title_text
+from overview_dsp.live.screen.timeline_view import Skin, TimelineView
 from overview_dsp.live.session.player import Player
 from overview_dsp.live.session.presets import PresetWatch
-from tests.live.screen.test_app import drive, until
+from tests.live.screen.test_app import drive, terminal, until  # noqa: F401
 
 MARKS = {
     "goal": "●○", "own_goal": "⊗⊗", "near_miss": "▲△", "yellow_card": "■□", "foul": "××",
@@ -24,7 +25,10 @@ LETTERS = {"goal": "Gg", "own_goal": "Oo", "near_miss": "Nn", "yellow_card": "Yy
 
 
 def drawn(timeline, size, script=None):
-    """The title and the rows of the timeline's view; `script(pilot, player)` comes first."""
+    """The title, the rows of the timeline's view, and the columns of the events.
+
+    `script(pilot, player)` comes first.
+    """
     player = Player(
         timeline,
         PresetWatch("football"),
@@ -42,8 +46,9 @@ def drawn(timeline, size, script=None):
         rows = [view.render_line(y).text for y in range(view.size.height)]
         assert all(len(row) == size[0] for row in rows)
         surface = player.engine.surface
-        positions = dict(zip(surface.event.tolist(), surface.position.tolist(), strict=True))
-        return app.screen._compositor.render_strips()[0].text, rows, positions
+        columns = map(view.column, surface.position.tolist())
+        places = dict(zip(surface.event.tolist(), columns, strict=True))
+        return app.screen._compositor.render_strips()[0].text[1:], rows, places
 
     try:
         return drive(player, read, size=size)
@@ -51,12 +56,13 @@ def drawn(timeline, size, script=None):
         player.close()
 
 
-def expected_lane(timeline, positions, side, width, marks):
+def expected_lane(timeline, places, side, marks):
     """The marks that events of a side have in their lane; the last of a column is on top."""
-    lane = {}
-    for index, event in enumerate(timeline.events):
+    lane, count = {}, timeline.kinds()
+    # rare kinds are over common ones
+    for index, event in sorted(enumerate(timeline.events), key=lambda one: -count[one[1].kind]):
         if event.side == side:
-            lane[column(positions[index], width)] = marks[event.kind][side - 1]
+            lane[places[index]] = marks[event.kind][side - 1]
     return lane
 
 
@@ -67,41 +73,43 @@ def test_each_team_has_its_lane_with_signs_that_need_no_colour(match, size, mode
     if mode != "colour":
         monkeypatch.setenv("NO_COLOR", "1")
     monkeypatch.setenv("LC_ALL", "C" if mode == "ASCII" else "C.UTF-8")
-    title, rows, positions = drawn(match, size)
+    shown, rows, places = drawn(match, size)
     has_scores = size[1] >= 20
     lanes = rows[1:3] if has_scores else rows[:2]
     for side, lane in enumerate(lanes, 1):
-        for x, mark in expected_lane(match, positions, side, size[0], marks).items():
+        for x, mark in expected_lane(match, places, side, marks).items():
             assert lane[x] == mark, (side, x, lane)
-    assert lanes[0][0] == lanes[1][0] == ("|" if mode == "ASCII" else "│")  # kick-off
+    assert lanes[0][2] == lanes[1][2] == ("|" if mode == "ASCII" else "│")  # kick-off
     first, second = ("FRANCE", "croatia") if mode == "ASCII" else ("● France", "Croatia ○")
-    assert title.startswith(f"{first} 4-2 {second}")
+    assert shown.startswith(f"{first} 4-2 {second}")
     if has_scores:
         assert rows[0].split() == ["1-0", "2-1", "3-1", "4-1"]
         assert rows[3].split() == ["1-1", "4-2"]
         for row, text in ((0, "1-0"), (3, "4-2")):
             found = (i for i, one in enumerate(match.events) if one.label.startswith(text))
-            at = column(positions[next(found)], size[0])
+            at = places[next(found)]
             assert abs(rows[row].index(text) + 1 - at) <= 1
-    assert "◉" in rows[-2]
+    assert " ─ " in rows[-2]  # the disk
     stage = rows[4 if has_scores else 2 : -2]
-    assert len(stage) >= 1
-    assert any(set(row) - {"█", " "} for row in stage)
+    assert len(stage) >= 3
+    curve = "░" if mode != "colour" else "▁▂▃▄▅▆▇█"
+    assert any(set(row) & set(curve) for row in stage)
+    assert "".join(stage).strip(f"{curve}▁▂▃▄▅▆▇█ ") == ""
 
 
 def test_on_a_very_low_screen_the_lanes_are_one(match):
-    _, rows, positions = drawn(match, (80, 11))
+    _, rows, places = drawn(match, (80, 11))
     for side in (1, 2):
-        lane = expected_lane(match, positions, side, 80, MARKS)
+        lane = expected_lane(match, places, side, MARKS)
         assert sum(rows[0][x] == mark for x, mark in lane.items()) >= len(lane) - 2
     assert not set(rows[1]) & set("".join(MARKS.values()))
 
 
 def test_a_timeline_without_sides_has_one_lane_as_before(match):
     plain = replace(match, sides=(), events=tuple(replace(e, side=0) for e in match.events))
-    title, rows, positions = drawn(plain, (80, 24))
-    assert title.startswith("France 4-2 Croatia, World")
-    assert len(rows[0].split()) >= len({column(at, 80) for at in positions.values()}) / 2
+    shown, rows, places = drawn(plain, (80, 24))
+    assert shown.startswith("France 4-2 Croatia, World")
+    assert sum(char != " " for char in rows[0]) == len(set(places.values()))
     assert not set(rows[0]) & set("·△□")
     assert set(rows[1]) <= set(" ▁▂▃▄▅▆▇█")
 
@@ -133,8 +141,8 @@ def test_sides_that_a_feed_sends_later_bring_the_lanes_and_corrections_the_score
         player._plain = replace(whole, sides=names, events=(*whole.events[:1], *later))
         assert await until(pilot, lambda: len(player.engine.surface.event) == 3)
 
-    title, rows, _ = drawn(whole, (80, 24), change)
-    assert title.startswith("● North - South ○ ")
+    shown, rows, _ = drawn(whole, (80, 24), change)
+    assert shown.startswith("● North - South ○ ")
     assert rows[0].split() == ["1-0", "2-0"]
     assert rows[3].split() == []
     assert rows[1].count("●") == rows[1].count("⊗") == 1
@@ -153,7 +161,7 @@ def test_scores_of_close_goals_do_not_run_into_each_other():
 
 
 @pytest.mark.parametrize(
-    ("title", "sides", "shown"),
+    ("text", "sides", "shown"),
     [
         ("A 1-0 B, 2 May", ("A", "B"), "● A 1-0 B ○, 2 May"),
         ("Inter 0-1 Inter Turku", ("Inter", "Inter Turku"), "● Inter 0-1 Inter Turku ○"),
@@ -161,10 +169,13 @@ def test_scores_of_close_goals_do_not_run_into_each_other():
         ("The derby", (), "The derby"),
     ],
 )
-def test_the_title_is_the_key_to_the_teams(title, sides, shown, monkeypatch):
-    monkeypatch.setenv("LC_ALL", "C.UTF-8")
-    timeline = ov.Timeline(title, 9.0, (ov.Event(1.0, "goal"),), sides=sides)
-    assert title_text(timeline).plain == shown
+def test_the_title_is_the_key_to_the_teams(text, sides, shown):
+    timeline = ov.Timeline(text, 9.0, (ov.Event(1.0, "goal"),), sides=sides)
+    parts = title(timeline, Skin({"LC_ALL": "C.UTF-8"}))
+    assert "".join(part for part, _ in parts) == shown
+    assert [colour for _, colour in parts if colour in ("first", "second")] == (
+        ["first", "second"] if sides else []
+    )
 
 
 def test_the_help_names_the_lanes(match):
@@ -176,14 +187,16 @@ def test_the_help_names_the_lanes(match):
         callback="python",
     )
     try:
-        assert "upper lane: France, lower lane: Croatia" in help_text(player)
+        shown = help_text(player, Skin({}))
+        assert "upper lane: France, lower lane: Croatia" in shown
+        assert "● goal 5" in shown
     finally:
         player.close()
 
 
 @pytest.mark.parametrize("kind", ["goal", "withdrawn_goal", "shot", "mark", "default", "_9"])
 @pytest.mark.parametrize("side", [0, 1, 2])
-def test_without_utf8_the_mark_of_any_kind_is_ascii(kind, side, monkeypatch):
-    monkeypatch.setenv("LC_ALL", "C")
+def test_without_utf8_the_mark_of_any_kind_is_ascii(kind, side):
+    skin = Skin({"LC_ALL": "C"})
     for number in range(10):
-        assert mark_of(kind, number, side, True)[0].isascii()
+        assert skin.sign(kind, number, side)[0].isascii()

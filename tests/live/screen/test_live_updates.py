@@ -34,7 +34,7 @@ def test_the_screen_shows_how_far_live_data_reach_and_new_events():
                 seen = "\n".join(strip.text for strip in app.screen._compositor.render_strips())
                 # the message may have gone by the time a busy machine has built the surface
                 is_announced = is_announced or "new: goal 1-0 Parris" in seen
-                if is_announced and "data until 17:50" in seen and "┊" in seen:
+                if is_announced and "data until 17:50" in seen and "Now 17:50" in seen:
                     break
         player.close()
         return is_announced, seen
@@ -42,7 +42,11 @@ def test_the_screen_shows_how_far_live_data_reach_and_new_events():
     is_announced, seen = run(watched())
     assert is_announced
     assert "data until 17:50" in seen
-    # now is marked above the axis and on it, where nothing else is written
-    (axis,) = [line for line in seen.splitlines() if "1:35:00" in line and "now" in line]
-    assert abs(axis.index("now") - 1070.0 / 5700.0 * 99.0) < 3.0
-    assert "┊" in seen
+    # now is marked in the curve, beyond which there is none, and in the groove
+    (row,) = [line for line in seen.splitlines() if "│ Now 17:50" in line]
+    now = row.index("│ Now 17:50")
+    assert abs(now - 2 - 1070.0 / 5700.0 * 95.0) < 3.0
+    # (what to do is written over the beginning of the groove)
+    (groove,) = [line for line in seen.splitlines() if line.count("·") > 40]
+    assert set(groove[now + 30 : 98]) == {"·"}
+    assert "╱" in seen
