@@ -29,6 +29,8 @@ class Terminal:
             for number in (signal.SIGINT, signal.SIGHUP):
                 signal.signal(number, signal.SIG_DFL)
 
+        # pytest's workers have a size there, which would count instead of the terminal's
+        environment = {k: v for k, v in environment.items() if k not in ("COLUMNS", "LINES")}
         self.process = subprocess.Popen(
             [sys.executable, "-m", "overview_dsp", *map(str, arguments)],
             stdin=theirs,
