@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import fcntl
 import os
+import re
 import select
 import signal
 import struct
@@ -56,6 +57,11 @@ class Terminal:
                 self.shown += os.read(self.ours, 65_536)
             except OSError:  # nobody writes any more
                 return
+
+    @property
+    def text(self):
+        """What was shown, without control sequences, which may lie within a word."""
+        return re.sub(rb"\x1b\[[\d;?]*[a-zA-Z]", b"", bytes(self.shown))
 
     @property
     def echoes(self):

@@ -76,7 +76,7 @@ def stop_and_interrupt(terminal):
 
 def freeze_server_and_quit(terminal):
     terminal.server.send_signal(signal.SIGSTOP)
-    terminal.wait_for(lambda: b"respond" in terminal.shown)
+    terminal.wait_for(lambda: b"respond" in terminal.text)
     return quit_by_key(terminal)
 
 
@@ -115,7 +115,7 @@ def end_one(server, folder, name, seconds):
     terminal = Terminal(["play", MATCH, "--device", "system", "--record", take], environment)
     terminal.server = server.process
     began = terminal.wait_for(lambda: take.exists() and take.stat().st_size > 0)
-    shown = terminal.wait_for(lambda: b"DSP load" in terminal.shown)
+    shown = terminal.wait_for(lambda: b"vibration" in terminal.text)
     until = shown + seconds
     while time.monotonic() < until:
         terminal.press(RIGHT)

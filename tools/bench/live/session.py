@@ -22,7 +22,7 @@ from overview_dsp.errors import InputError, OverviewError
 
 BLOCK = 64
 SIZE = (100, 30)  # columns and rows of the terminal
-SCREEN_TEXT = b"DSP load"
+SCREEN_TEXT = b"vibration"
 STARTS_WITHIN_S = 60.0
 ENDS_WITHIN_S = 6.0
 SETTLE_S = 2.0
