@@ -146,6 +146,8 @@ def on_jack(tmp_path_factory):
         rest = [name for name in CASES if "failed" in reports.get(name, {"failed": ""})]
         if not rest:
             break
+        for name in rest if attempt else ():
+            print(f"repeated: {name}: {reports.get(name, {}).get('failed', 'no report')}")
         programs, codes = [], []
         for half in (0, 1):
             folder = tmp_path_factory.mktemp("jack")

@@ -301,7 +301,7 @@ def parse_preset(text: str, name: str, source: str, find: Find = _no_base) -> Pr
             kinds[kind_name] = EventKind(modes=modes, **members)
         except InputError as error:
             location = _location(layers, ("kinds", kind_name))
-            similar = did_you_mean(kind_name, dumped["kinds"].keys() - {kind_name})
+            similar = did_you_mean(kind_name, [one for one in dumped["kinds"] if one != kind_name])
             raise InputError(f"{location}: kinds.{kind_name}: {error}{similar}") from None
     if DEFAULT_KIND not in kinds:
         raise InputError(

@@ -215,6 +215,12 @@ def test_a_kind_has_exactly_one_width(widths):
     refused(file, f"mine.toml:{line}: kinds.default: ", "exactly one of width_percent and width_ms")
 
 
+def test_the_other_kinds_are_listed_in_the_order_of_the_file():
+    names = ["sunrise", "quake", "ace", "borehole", "verse"]
+    others = "".join(f"[kinds.{one}]\nheight = 1\nwidth_ms = 9\n" for one in names)
+    refused(f"{SMALL}\n{others}[kinds.xx]\nheight = 1\n", "kinds.xx: ", ", ".join(names))
+
+
 def test_the_default_kind_is_required():
     refused(SMALL.replace("kinds.default", "kinds.goal"), "kinds.default is missing")
 

@@ -13,12 +13,8 @@ import numpy as np
 import pytest
 
 import overview_dsp as ov
-from overview_dsp.live.output.settings import OutputSettings
-from overview_dsp.live.output.stream import NullStream
 from overview_dsp.live.screen import plain_mode
 from overview_dsp.live.screen.position_report import PositionReport
-from overview_dsp.live.session.player import Player
-from overview_dsp.live.session.presets import PresetWatch
 from tests.cli.running import MATCH, environment
 
 if sys.platform == "linux":
@@ -31,27 +27,6 @@ SERIES = ov.Timeline(
     ov.Intensity(np.array([0.0, 100.0, 500.0, 900.0, 1000.0]), np.array([2, 8, 3.25, 5, 5]), "°C"),
     gaps=((600.0, 800.0),),
 )
-
-
-@pytest.fixture
-def opened():
-    players = []
-
-    def open_one(timeline):
-        players.append(
-            Player(
-                timeline,
-                PresetWatch("plain"),
-                lambda engine, settings: NullStream(engine, 256, settings),
-                OutputSettings(),
-                callback="python",
-            )
-        )
-        return players[-1]
-
-    yield open_one
-    for one in players:
-        one.close()
 
 
 def test_a_position_is_a_moment_with_its_value_and_unit(opened):

@@ -11,8 +11,6 @@ import pytest
 from rich.color import Color
 
 import overview_dsp as ov
-from overview_dsp.live.output.settings import OutputSettings
-from overview_dsp.live.output.stream import NullStream
 from overview_dsp.live.screen.app import Trace, keys, readout
 from overview_dsp.live.screen.position_report import PositionReport, event_text
 from overview_dsp.live.screen.terminal import ASCII
@@ -24,8 +22,6 @@ from overview_dsp.live.screen.timeline_view import (
     shortened,
     spread,
 )
-from overview_dsp.live.session.player import Player
-from overview_dsp.live.session.presets import PresetWatch
 from overview_dsp.live.session.session import SessionState
 from tests.live.screen.test_app import drive, terminal, until  # noqa: F401
 
@@ -43,27 +39,6 @@ MODES = {
     "none": {"NO_COLOR": "1"},
     "ascii": {"NO_COLOR": "1", "LC_ALL": "C"},
 }
-
-
-@pytest.fixture
-def opened():
-    players = []
-
-    def open_one(timeline):
-        players.append(
-            Player(
-                timeline,
-                PresetWatch("football" if timeline.sides else "plain"),
-                lambda engine, settings: NullStream(engine, 256, settings),
-                OutputSettings(),
-                callback="python",
-            )
-        )
-        return players[-1]
-
-    yield open_one
-    for one in players:
-        one.close()
 
 
 def parts(app):
@@ -105,7 +80,7 @@ def figures_of(row_of_three):
 def test_every_row_is_where_the_design_has_it(opened, match, monkeypatch, size, mode):
     for name, value in MODES[mode].items():
         monkeypatch.setenv(name, value)
-    player, (width, height) = opened(match), size
+    player, (width, height) = opened(match, "football"), size
     goal = match.event("goal", 4)
 
     async def script(app, pilot):
@@ -199,7 +174,7 @@ def test_colours_can_be_told_from_the_background(name):
 
 @pytest.mark.parametrize("which", ["match", "series"])
 def test_value_and_event_are_those_of_the_finger_everywhere(opened, match, which):
-    player = opened(match if which == "match" else SERIES)
+    player = opened(match, "football") if which == "match" else opened(SERIES)
     dice = random.Random(7)
 
     async def script(app, pilot):
@@ -248,7 +223,7 @@ def test_a_series_has_its_signs_at_the_curve_and_its_gap_is_empty(opened):
 
 
 def test_a_warning_is_coloured_only_while_there_is_trouble(opened, match):
-    player = opened(match)
+    player = opened(match, "football")
 
     async def script(app, pilot):
         assert await until(pilot, lambda: app._status is not None)
@@ -267,7 +242,7 @@ def test_a_warning_is_coloured_only_while_there_is_trouble(opened, match):
 
 
 def test_what_is_done_next_is_one_label(opened, match):
-    player = opened(match)
+    player = opened(match, "football")
 
     async def script(app, pilot):
         def labels():
@@ -288,7 +263,7 @@ def test_what_is_done_next_is_one_label(opened, match):
 
 
 def test_only_cells_that_differ_are_drawn(opened, match):
-    player = opened(match)
+    player = opened(match, "football")
 
     async def script(app, pilot):
         await pilot.pause(0.5)
@@ -335,7 +310,7 @@ def test_wide_characters_take_two_cells_and_control_characters_none():
 
 
 def test_levels_have_seven_heights_of_six_decibels(opened, match):
-    player = opened(match)
+    player = opened(match, "football")
 
     async def script(app, pilot):
         assert await until(pilot, lambda: app._status is not None)
