@@ -17,7 +17,7 @@ import numpy as np
 from overview_dsp import __version__
 from overview_dsp.data.timeline import Timeline
 from overview_dsp.design.gestures import Gesture
-from overview_dsp.design.presets.model import Preset
+from overview_dsp.design.presets.model import ROUTING, Preset
 from overview_dsp.design.presets.parameter import Value
 from overview_dsp.kernels.sources import sources_digest
 from overview_dsp.offline.rendering.schedule import Tail
@@ -101,7 +101,7 @@ def _update(result: Any, value: Any) -> None:
     elif is_dataclass(value):
         result.update(type(value).__name__.encode())
         for part in fields(value):
-            if part.init:
+            if part.init and ROUTING not in part.metadata:
                 _update(result, getattr(value, part.name))
     elif isinstance(value, Mapping):
         result.update(f"mapping{len(value)}".encode())
@@ -120,8 +120,12 @@ def _update(result: Any, value: Any) -> None:
 
 
 def preset_digest(preset: Preset) -> str:
-    """Return the digest of a preset without `follow`, which doesn't change a render."""
-    values = {id: value for id, value in preset.values.items() if not id.startswith("follow.")}
+    """Return the digest of a preset without `follow` and the choice of tactors.
+
+    They don't change a render with one tactor.
+    """
+    without = ("follow.", "tactor.routing")
+    values = {id: value for id, value in preset.values.items() if not id.startswith(without)}
     return digest(values, preset.kinds)
 
 

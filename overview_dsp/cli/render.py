@@ -78,6 +78,7 @@ def command(
     cue_points: bool = option(),
     transcripts: tuple[str, ...] = TRANSCRIPT,
     actuator: str | None = ACTUATOR,
+    tactors: int = option(default=1, type=click.IntRange(1, 8)),
     as_json: bool = JSON,
     choice: PresetChoice,
     reading: Reading,
@@ -120,6 +121,7 @@ def command(
             stems=stems,
             loudness=measure_loudness,
             normalize=normalize,
+            tactors=tactors,
         )
     passed = passed_events(done.passed, done.engine.timeline) if done.passed is not None else []
     if cue_points:

@@ -281,7 +281,8 @@ LIVE = column(16)  # the audio device's own columns, kept by reset
     L_LINE,  # i64: frames ever written to the delay lines
     L_ALSO_CLICK,  # i64: bit mask of the click's additional channels
     L_ALSO_TACTOR,  # i64
-) = range(LIVE, LIVE + 13)
+    L_ROUTER,  # i64: address of the memory of a router (router.py), 0 = one tactor
+) = range(LIVE, LIVE + 14)
 BUSY_BINS = 96
 # what the device does to each of click and tactor after the engine: one column a signal
 L_GAIN = column(SIGNALS)  # in use, linear

@@ -89,6 +89,14 @@ _FUNCTIONS: dict[str, tuple[str, Adapter]] = {
             lambda f64, i64, out, frames, channels: call(at(f64), at(out), frames, channels) != 0
         ),
     ),
+    "split_block": (
+        "int32_t(*)(void *, void *, void *, int64_t, int64_t, void *)",
+        lambda call, at: (
+            lambda i64, r, ri, out, frames, channels, trace: call(
+                at(i64), at(r), at(out), frames, channels, at(trace)
+            )
+        ),
+    ),
     "push_control": (
         "int32_t(*)(void *, int64_t, int64_t, double, int64_t)",
         lambda call, at: (

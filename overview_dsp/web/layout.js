@@ -230,6 +230,7 @@ export const L = Object.freeze({
   L_LINE: 214084,
   L_ALSO_CLICK: 214085,
   L_ALSO_TACTOR: 214086,
+  L_ROUTER: 214087,
   BUSY_BINS: 96,
   L_GAIN: 214090,
   L_CEILING: 214092,
@@ -397,4 +398,4 @@ export const PARAMETERS = Object.freeze({
 });
 
 // low and high half of the digest of an engine's memory with this layout
-export const DIGEST = Object.freeze([-1698189219, -112168074]);
+export const DIGEST = Object.freeze([89873619, 261826130]);

@@ -187,7 +187,7 @@ def test_channels_are_typed_as_numbers_joined_by_plus():
     ]
     for text, words in (
         ("", "channel '' must be a number, several"),
-        ("3,4", "channel '3,4' must be"),
+        ("3,4,", "channel '3,4,' must be"),
         ("3+", "channel '3\\+' must be"),
         ("-1", "channel -1 is out of range; must be 0 to 64"),
         ("0+1", "channel 0 is out of range; must be 1 to 64"),

@@ -13,7 +13,7 @@ from numba import types
 
 from overview_dsp.kernels import atomics, block, derive, layout
 from overview_dsp.kernels.control_events import push_control
-from overview_dsp.kernels.device import actuator, derive_actuator, output_stage
+from overview_dsp.kernels.device import actuator, derive_actuator, output_stage, router
 from overview_dsp.kernels.device.callback import SIGNATURE, callback
 from overview_dsp.kernels.plain_memory import carray, views
 from overview_dsp.kernels.simd import block as side_by_side
@@ -94,6 +94,17 @@ def finish_block(memory, out, frames, channels):
     return 1 if output_stage.finish_block(f64, i64, samples, frames, channels) else 0
 
 
+def split_block(memory, router_memory, out, frames, channels, trace):
+    """Call `router.split_block`."""
+    i64 = carray(memory, (layout.TOTAL,), np.int64)
+    r = carray(router_memory, (router.SIZE,), np.float64)
+    ri = carray(router_memory, (router.SIZE,), np.int64)
+    samples = carray(out, (frames * channels,), np.float32)
+    table = carray(trace, (frames * layout.TRACE,), np.float64)
+    router.split_block(i64, r, ri, samples, frames, channels, table)
+    return 0
+
+
 def push(memory, source, stamp, theta2, touching):
     """Call `control_events.push_control`."""
     f64, i64, _ = views(memory)
@@ -124,6 +135,7 @@ NAMES: dict[str, tuple[Any, Any]] = {
     "derive_actuator": (derive_drive, _int32(_pointer, _int, _number)),
     "drive_block": (drive_block, _int32(_pointer, _int, _pointer, _int, _int, _int)),
     "finish_block": (finish_block, _int32(_pointer, _pointer, _int, _int)),
+    "split_block": (split_block, _int32(_pointer, _pointer, _pointer, _int, _int, _pointer)),
     "push_control": (push, _int32(_pointer, _int, _int, _number, _int)),
     "acquired": (acquired, _int64(_pointer, _int)),
     "publish": (publish, _int32(_pointer, _int, _int)),

@@ -11,7 +11,7 @@ from overview_dsp.cli.options.declaring import option, parse_pairs
 from overview_dsp.errors import InputError
 
 if TYPE_CHECKING:
-    from overview_dsp.live.output.settings import OutputSettings
+    from overview_dsp.live.output.settings import Channels, OutputSettings
     from overview_dsp.signal.actuators.model import Actuator
     from overview_dsp.signal.actuators.stage import ProtectionReport
 
@@ -74,7 +74,7 @@ def _switch(text: str) -> bool:
     return answers[text]
 
 
-def _channels(text: str) -> int | tuple[int, ...]:
+def _channels(text: str) -> Channels:
     from overview_dsp.live.output.settings import parse_channels
 
     return parse_channels(text)

@@ -27,6 +27,8 @@ if TYPE_CHECKING:
 
 DEFAULT_KIND = "default"
 
+ROUTING = "routing"  # key in the metadata of fields that only choose among tactors
+
 
 def _default(key: str) -> float:
     value = KIND_PARAMETERS[key].default
@@ -95,6 +97,8 @@ class EventKind:
         Lowest mode of the material, Hz.
     decay_scale : float
         Ratio of the decay times to those of the free material.
+    tactor : str
+        Number of the tactor, "1" to "8", or "all".
 
     Raises
     ------
@@ -125,6 +129,7 @@ class EventKind:
     material: str = "none"
     pitch_hz: float = _default("pitch_hz")
     decay_scale: float = _default("decay_scale")
+    tactor: str = field(default="all", metadata={ROUTING: True})
 
     def __post_init__(self) -> None:
         if (self.width_percent is None) == (self.width_ms is None):

@@ -37,7 +37,7 @@ MODE_PARAMETERS = _members("modes")
 
 PARAMETERS: Mapping[str, Parameter] = MappingProxyType(
     {
-        id: replace(known, surface=id.startswith("surface."))
+        id: replace(known, surface=id.startswith("surface.") or id == "tactor.routing")
         for id, known in _KNOWN.items()
         if not id.startswith(("kinds.", "modes."))
     }

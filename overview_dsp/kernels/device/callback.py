@@ -18,9 +18,10 @@ from numba import types
 
 from overview_dsp.kernels import layout
 from overview_dsp.kernels.compiling import c_callback, inlined
-from overview_dsp.kernels.device.stream_block import deliver
+from overview_dsp.kernels.device import router
+from overview_dsp.kernels.device.stream_block import deliver, deliver_routed
 from overview_dsp.kernels.math_functions import ONE_BITS
-from overview_dsp.kernels.plain_memory import carray, views
+from overview_dsp.kernels.plain_memory import carray, pointer_at, views
 from overview_dsp.kernels.precompiled import precompiled_callback
 from overview_dsp.kernels.simd.vector import bits_of
 
@@ -75,7 +76,13 @@ def callback(unused, output, frame_count, time_info, flags, user):
     frames = np.int64(frame_count)
     channels = i64[layout.L_CHANNELS]
     out = carray(output, (frames * channels,), np.float32)
-    over = deliver(f64, i64, u64, out, frames, channels)
+    if i64[layout.L_ROUTER] == 0:
+        over = deliver(f64, i64, u64, out, frames, channels)
+    else:
+        memory = pointer_at(i64[layout.L_ROUTER])
+        r = carray(memory, (router.SIZE,), np.float64)
+        ri = carray(memory, (router.SIZE,), np.int64)
+        over = deliver_routed(f64, i64, u64, r, ri, out, frames, channels)
     if flags & OUTPUT_UNDERFLOW:
         i64[layout.L_UNDERFLOWS] += 1
     record_busy_time(f64, i64, now(i64) - started, frames)

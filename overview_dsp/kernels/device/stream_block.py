@@ -7,8 +7,27 @@ from __future__ import annotations
 
 from overview_dsp.kernels import layout
 from overview_dsp.kernels.block import process
-from overview_dsp.kernels.compiling import inlined
+from overview_dsp.kernels.compiling import inlined, outlined
+from overview_dsp.kernels.device import router
 from overview_dsp.kernels.device.output_stage import finish
+
+
+@outlined
+def deliver_routed(f64, i64, u64, r, ri, out, frames, channels):
+    """Write a block as `deliver` does, with the tactor's signal split by the router `r`."""
+    over = False
+    start = 0
+    while start < frames:
+        count = min(router.FRAMES, frames - start)
+        piece = out[start * channels : (start + count) * channels]
+        trace = r[router.TRACE : router.TRACE + count * layout.TRACE]
+        process(f64, i64, u64, piece, count, channels, trace, count > 0)
+        over = finish(f64, i64, piece, count, channels)
+        router.split(i64, r, ri, piece, count, channels, trace)
+        start += count
+    i64[layout.L_CALLBACKS] += 1
+    i64[layout.L_FRAMES] += frames
+    return over
 
 
 @inlined

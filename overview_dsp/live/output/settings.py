@@ -22,6 +22,7 @@ from overview_dsp.files.json_table import read_table, write_table
 from overview_dsp.kernels import layout
 from overview_dsp.kernels.decibels import gain_of_db
 from overview_dsp.kernels.device.output_stage import LONGEST_DELAY_S
+from overview_dsp.kernels.device.router import MAX_TACTORS
 from overview_dsp.public import changed_fields
 from overview_dsp.signal.actuators.calibration import apply_calibration
 from overview_dsp.signal.actuators.library import reference
@@ -33,6 +34,9 @@ MAX_DELAY_MS = 1e3 * LONGEST_DELAY_S
 MIN_CEILING_DB, MAX_CEILING_DB = -60.0, 0.0
 MAX_CHANNELS = 64
 
+Channels = int | tuple[int, ...] | tuple[tuple[int, ...], ...]
+"""Output channel, several with the same samples, or those of each of several tactors."""
+
 
 @dataclass(frozen=True)
 class SignalSettings:
@@ -40,9 +44,10 @@ class SignalSettings:
 
     Parameters
     ----------
-    channel : int or tuple of int
+    channel : int, tuple of int, or tuple of tuple of int
         Output channel, from 1; 0 for no output. Several channels, such as a pad's two voice
-        coils, get the same samples.
+        coils, get the same samples. A tuple for each of up to eight tactors splits the signal
+        among them, as the preset's `tactor.routing` says.
     gain_db : float
         Gain, -60 to 24 dB.
     mute : bool
@@ -61,9 +66,11 @@ class SignalSettings:
     --------
     >>> ov.live.SignalSettings((3, 4), gain_db=-6.0)
     SignalSettings(channel=(3, 4), gain_db=-6.0)
+    >>> ov.live.SignalSettings(((3,), (4,))).tactors  # two tactors
+    ((3,), (4,))
     """
 
-    channel: int | tuple[int, ...]
+    channel: Channels
     gain_db: float = 0.0
     mute: bool = False
     delay_ms: float = 0.0
@@ -78,8 +85,16 @@ class SignalSettings:
     @property
     def channels(self) -> tuple[int, ...]:
         """Output channels of the signal, from 1; empty if it has none."""
-        several = self.channel if isinstance(self.channel, tuple) else (self.channel,)
-        return tuple(channel for channel in several if channel)
+        return tuple(channel for tactor in self.tactors for channel in tactor)
+
+    @property
+    def tactors(self) -> tuple[tuple[int, ...], ...]:
+        """Output channels of each tactor that the signal is split among; one for other signals."""
+        groups = (self.channel,) if isinstance(self.channel, int) else self.channel
+        if groups == (0,):
+            return ((),)
+        channels = tuple(one for one in groups if isinstance(one, int))
+        return (channels,) if channels else tuple(one for one in groups if isinstance(one, tuple))
 
     @property
     def gain(self) -> float:
@@ -104,7 +119,7 @@ class OutputSettings:
     Raises
     ------
     InputError
-        Both signals use the same channel.
+        Both signals use the same channel, or the clicks are split.
 
     Examples
     --------
@@ -120,6 +135,8 @@ class OutputSettings:
     actuator: Actuator | None = None
 
     def __post_init__(self) -> None:
+        if len(self.click.tactors) > 1:
+            raise InputError("clicks are one signal; use + between their channels (1+2)")
         for channel in self.click.channels:
             if channel in self.tactor.channels:
                 raise InputError(
@@ -139,8 +156,11 @@ class OutputSettings:
     @property
     def channels_text(self) -> str:
         """Channels of each signal as text for the user."""
-        click, tactor = ("+".join(map(str, one.channels)) or "none" for one in self.signals)
-        return f"clicks on {click}, tactor on {tactor}"
+        click, tactor = (
+            ", ".join("+".join(map(str, each)) for each in one.tactors) or "none"
+            for one in self.signals
+        )
+        return f"clicks on {click}, tactor{'s' * (len(self.tactor.tactors) > 1)} on {tactor}"
 
     def changed(
         self, click: Mapping[str, Any] | None = None, tactor: Mapping[str, Any] | None = None
@@ -214,26 +234,33 @@ class OutputSettings:
             integers[layout.L_DELAY_WANTED + index] = delay
             if at_once:
                 integers[layout.L_DELAY + index] = delay
-                further_channels = sum(1 << (channel - 1) for channel in signal.channels[1:])
+                # a router writes all channels of several tactors
+                same = signal.channels[1:] if len(signal.tactors) == 1 else ()
+                further_channels = sum(1 << (channel - 1) for channel in same)
                 memory.view(np.uint64)[layout.L_ALSO_CLICK + index] = further_channels
 
 
-def parse_channels(text: str) -> int | tuple[int, ...]:
-    """Parse output channels: `3`, `3+4`, or `0` for none; InputError."""
+def parse_channels(text: str) -> Channels:
+    """Parse output channels: `3`, `3+4`, `3,4` for two tactors, or `0` for none; InputError."""
     try:
-        numbers = tuple(int(word) for word in text.split("+"))
+        groups = [tuple(int(word) for word in group.split("+")) for group in text.split(",")]
     except ValueError:
         raise InputError(
-            f"channel {text!r} must be a number, several numbers (3+4), or 0"
+            f"channel {text!r} must be a number, several numbers (3+4), those of "
+            "each tactor (3,4), or 0"
         ) from None
-    return _check_channels(numbers)
+    return _check_channels(groups[0] if len(groups) == 1 else tuple(groups))
 
 
-def _check_channels(channel: Any) -> int | tuple[int, ...]:
-    """Return one channel, or several as a tuple; InputError."""
-    numbers = tuple(channel) if isinstance(channel, list | tuple) else (channel,)
-    if not numbers:
+def _check_channels(channel: Any) -> Channels:
+    """Return one channel, several as a tuple, or those of each tactor; InputError."""
+    groups = tuple(channel) if isinstance(channel, list | tuple) else (channel,)
+    if not groups:
         raise InputError("channels are empty; use 0 for none")
+    split = all(isinstance(group, list | tuple) for group in groups)
+    if len(groups) > MAX_TACTORS and split:
+        raise InputError(f"channels are for {len(groups)} tactors; must be at most {MAX_TACTORS}")
+    numbers = tuple(number for group in groups for number in group) if split else groups
     least, note = (0, "1 is the first, 0 none") if len(numbers) == 1 else (1, "1 is the first")
     for number in numbers:
         _check_range(number, "channel", least, MAX_CHANNELS, note)
@@ -241,6 +268,8 @@ def _check_channels(channel: Any) -> int | tuple[int, ...]:
             raise InputError(f"channel {number:g} must be a whole number")
         if numbers.count(number) > 1:
             raise InputError(f"channel {number} is listed twice")
+    if split and len(groups) > 1:
+        return tuple(tuple(group) for group in groups)
     return numbers if len(numbers) > 1 else int(numbers[0])
 
 

@@ -16,6 +16,7 @@ from overview_dsp import validation
 from overview_dsp.arrays import FloatArray, IntArray
 from overview_dsp.kernels import layout
 from overview_dsp.kernels.device.output_stage import finish_block
+from overview_dsp.kernels.device.router import FRAMES
 from overview_dsp.live.output.jack import Connections
 from overview_dsp.live.output.settings import OutputSettings
 from overview_dsp.public import counted
@@ -295,7 +296,13 @@ def connect(engine: Engine, settings: OutputSettings | None) -> int:
     mapped = memory.view(np.int64)[[layout.S_CLICK_CHANNEL, layout.S_TACTOR_CHANNEL]]
     channels = max(2 if settings is None else settings.channels, int(mapped.max()) + 1)
     clear_meters(memory, channels)
-    (settings or OutputSettings()).write(memory, engine.sample_rate, at_once=True)
+    settings = settings or OutputSettings()
+    settings.write(memory, engine.sample_rate, at_once=True)
+    tactors = settings.tactor.tactors
+    router = engine.set_tactors(len(tactors))
+    if router is not None:
+        router.set_channels([[channel - 1 for channel in tactor] for tactor in tactors])
+        memory.view(np.int64)[layout.L_ROUTER] = router.memory.ctypes.data
     return channels
 
 
@@ -312,9 +319,14 @@ def run_block(engine: Engine, out: NDArray[np.float32], underflow: bool = False)
     Thread: audio.
     """
     started = time.perf_counter()
-    engine.process(out)
-    memory = engine.memory
-    over = finish_block(memory, memory.view(np.int64), out.reshape(-1), *out.shape)
+    memory, router, over = engine.memory, engine.router, False
+    step = len(out) if router is None else FRAMES
+    for start in range(0, max(len(out), 1), max(step, 1)):
+        piece = out[start : start + step]
+        engine.process(piece, None if router is None else router.trace[: len(piece)])
+        over = finish_block(memory, memory.view(np.int64), piece.reshape(-1), *piece.shape)
+        if router is not None:
+            router.process(memory, piece, router.trace[: len(piece)])
     record_callback(memory, len(out), time.perf_counter() - started, underflow)
     return bool(over)
 

@@ -24,6 +24,7 @@ from overview_dsp.design.presets.library import fitting_preset_for, load_preset
 from overview_dsp.design.presets.model import Preset
 from overview_dsp.errors import InputError
 from overview_dsp.files.sound import SavableSound
+from overview_dsp.kernels.device.router import FRAMES
 from overview_dsp.kernels.layout import CLICK, TACTOR, TRACE_COLUMNS
 from overview_dsp.offline.rendering.event_log import transcript
 from overview_dsp.offline.rendering.notebook import Row, result_page
@@ -55,7 +56,7 @@ Progress = Callable[[float], None]
 
 @dataclass(frozen=True)
 class Block:
-    """Rendered block: samples float32 (frames, 2), trace float64 (frames, columns) or None."""
+    """Rendered block: samples float32 (frames, 1 + tactors), trace (frames, columns) or None."""
 
     samples: SampleArray
     trace: FloatArray | None
@@ -68,8 +69,8 @@ class RenderResult(SavableSound, Generic[Traced]):
 
     Attributes
     ----------
-    samples : float32 (frames, 2)
-        Click, tactor; linear, full scale is 1.
+    samples : float32 (frames, 1 + tactors)
+        Click, tactor (or all tactors); linear, full scale is 1.
     sample_rate : float
         Hz.
     trace : Trace or None
@@ -155,6 +156,11 @@ class RenderResult(SavableSound, Generic[Traced]):
         )
 
 
+def channels_of(engine: Engine) -> int:
+    """Return the number of rendered channels: one for the clicks, and one for each tactor."""
+    return 2 if engine.router is None else 1 + engine.router.count
+
+
 def blocks(
     engine: Engine,
     gesture: Gesture,
@@ -168,17 +174,22 @@ def blocks(
     `progress` receives the progress, 0 to 1. The blocks' arrays are not reused. With an actuator's
     `stage`, the tactor's samples are its drive. Blocks have up to `BLOCK` frames.
     """
-    play = GesturePlayer(engine, gesture, tail, BLOCK)
+    router = engine.router
+    play = GesturePlayer(engine, gesture, tail, BLOCK if router is None else FRAMES)
     while not play.over:
         frames = play.feed()
-        samples = np.empty((frames, 2), dtype=np.float32)
-        table = np.empty((frames, len(TRACE_COLUMNS))) if trace else None
+        samples = np.empty((frames, channels_of(engine)), dtype=np.float32)
+        table = np.empty((frames, len(TRACE_COLUMNS))) if trace or router else None
         engine.process(samples, table)
         if stage is not None:
             stage.process(samples, TACTOR)
+        if router is not None and table is not None:
+            router.process(engine.memory, samples, table)
         kept = play.count(frames, stage.silent_samples if stage is not None else None)
         yield Block(
-            samples[:kept], table[:kept] if table is not None else None, engine.pop_strikes()
+            samples[:kept],
+            table[:kept] if trace and table is not None else None,
+            engine.pop_strikes(),
         )
         if progress:
             progress(play.part)
@@ -189,19 +200,19 @@ def blocks(
 def render(
     timeline: AnyTimeline, preset: AnyPreset = ..., gesture: AnyGesture = ...,
     sample_rate: float = ..., seed: int = ..., *, tail: Tail = ..., trace: Literal[True] = ...,
-    actuator: Actuator | None = ...,
+    actuator: Actuator | None = ..., tactors: int = ...,
 ) -> RenderResult[Trace]: ...
 @overload
 def render(
     timeline: AnyTimeline, preset: AnyPreset = ..., gesture: AnyGesture = ...,
     sample_rate: float = ..., seed: int = ..., *, tail: Tail = ..., trace: Literal[False],
-    actuator: Actuator | None = ...,
+    actuator: Actuator | None = ..., tactors: int = ...,
 ) -> RenderResult[None]: ...
 @overload
 def render(
     timeline: AnyTimeline, preset: AnyPreset = ..., gesture: AnyGesture = ...,
     sample_rate: float = ..., seed: int = ..., *, tail: Tail = ..., trace: bool,
-    actuator: Actuator | None = ...,
+    actuator: Actuator | None = ..., tactors: int = ...,
 ) -> RenderResult[Trace | None]: ...
 # fmt: on
 def render(
@@ -214,6 +225,7 @@ def render(
     tail: Tail = "rest",
     trace: bool = True,
     actuator: Actuator | None = None,
+    tactors: int = 1,
 ) -> RenderResult[Trace | None]:
     """Render a gesture to arrays.
 
@@ -237,6 +249,8 @@ def render(
         Whether to return the trace of the disk.
     actuator : Actuator or None
         Actuator whose protected drive replaces the tactor's channel.
+    tactors : int
+        Number of tactors, 1 to 8, among which the preset's `tactor.routing` splits the signal.
 
     Returns
     -------
@@ -260,9 +274,13 @@ def render(
     >>> ov.render(days, "series", "sweep:1", sample_rate=8000).engine.preset.name
     'series'
     """
-    engine, moved, stage = _prepared(timeline, preset, gesture, sample_rate, seed, actuator)
+    engine, moved, stage = _prepared(
+        timeline, preset, gesture, sample_rate, seed, actuator, tactors
+    )
     nothing = Block(
-        np.empty((0, 2), dtype=np.float32), np.empty((0, len(TRACE_COLUMNS))), engine.pop_strikes()
+        np.empty((0, channels_of(engine)), dtype=np.float32),
+        np.empty((0, len(TRACE_COLUMNS))),
+        engine.pop_strikes(),
     )
     rendered = [nothing, *blocks(engine, moved, tail, trace, stage=stage)]
     samples = np.concatenate([block.samples for block in rendered])
@@ -286,6 +304,7 @@ def _prepared(
     sample_rate: float,
     seed: int,
     actuator: Actuator | None,
+    tactors: int,
 ) -> tuple[Engine, Gesture, ActuatorStage | None]:
     """Return a prepared engine, gesture and actuator stage from the arguments of `render`."""
     timeline = load_timeline(timeline)
@@ -298,6 +317,7 @@ def _prepared(
     elif not isinstance(gesture, Gesture):
         gesture = load_gesture(validation.path(gesture, "gesture"))
     engine.prepare(sample_rate, BLOCK)
+    engine.set_tactors(tactors)
     return engine, gesture, _stage(actuator, engine)
 
 
@@ -384,6 +404,7 @@ def render_to_file(
     stems: bool = False,
     loudness: bool = False,
     normalize: float | None = None,
+    tactors: int = 1,
 ) -> RenderFileResult:
     """Render a gesture to a sound file, and its trace to a .npz or .csv, in constant memory.
 
@@ -422,6 +443,8 @@ def render_to_file(
         Target loudness of the click channel, LUFS. A look-ahead limiter keeps its true peaks
         below -1 dBFS. The tactor isn't changed. This renders twice, or up to eight times where the
         limiter acts.
+    tactors : int
+        As in `render`.
 
     Returns
     -------
@@ -453,7 +476,9 @@ def render_to_file(
     target = validation.path(path, "path")
     if normalize is not None:
         require_loudness(normalize)
-    engine, moved, stage = _prepared(timeline, preset, gesture, sample_rate, seed, actuator)
+    engine, moved, stage = _prepared(
+        timeline, preset, gesture, sample_rate, seed, actuator, tactors
+    )
     limiter, gain = None, 1.0
     if normalize is not None:
 
@@ -463,14 +488,15 @@ def render_to_file(
 
         limiter, gain = limited_to(normalize, sample_rate, again)
     heard = ClickMeter(sample_rate) if loudness or normalize is not None else None
-    peaks = np.zeros(2)
+    peaks = np.zeros(channels_of(engine))
     strikes: list[Strikes] = [engine.pop_strikes()]
     full_torque = 1e-3 * engine.preset.number("tactor.reference_torque_mnm")
+    stem = (target, engine.sample_rate, subtype, full_torque, stems, channels_of(engine) - 1)
     trace_file = None if trace_path is None else validation.path(trace_path, "trace_path")
     with (
-        SoundWriter(target, engine.sample_rate, subtype) as sound,
+        SoundWriter(target, engine.sample_rate, subtype, len(peaks)) as sound,
         TraceWriter(trace_file) as traced,
-        StemWriter(target, engine.sample_rate, subtype, full_torque, stems) as stemmed,
+        StemWriter(*stem) as stemmed,
     ):
         for block in blocks(engine, moved, tail, trace_path is not None or stems, progress, stage):
             if limiter is not None:
@@ -491,7 +517,7 @@ def render_to_file(
     all_strikes = join_strikes(strikes)
     return RenderFileResult(
         frames / engine.sample_rate,
-        tuple(peaks.tolist()),
+        (float(peaks[0]), float(peaks[1:].max())),
         len(all_strikes),
         note,
         engine,

@@ -41,7 +41,13 @@ class StemWriter(contextlib.ExitStack):
     """Writes the stems of a sound file block by block, if `enabled`."""
 
     def __init__(
-        self, path: Path, sample_rate: float, subtype: str | None, full_torque: float, enabled: bool
+        self,
+        path: Path,
+        sample_rate: float,
+        subtype: str | None,
+        full_torque: float,
+        enabled: bool,
+        tactors: int = 1,
     ) -> None:
         """Choose the files; raise InputError if one has the name of the sound file."""
         super().__init__()
@@ -52,7 +58,10 @@ class StemWriter(contextlib.ExitStack):
             if path in (*single, trace):
                 raise InputError(f"{path} is the name of a stem; choose another name")
             kept = subtype if path.suffix.lower() == SUFFIX else None
-            self._writers = [SoundWriter(one, sample_rate, kept, 1) for one in single]
+            self._writers = [
+                SoundWriter(one, sample_rate, kept, count)
+                for one, count in zip(single, (1, tactors), strict=True)
+            ]
             self._writers.append(SoundWriter(trace, sample_rate, "FLOAT", len(CURVES)))
 
     def __enter__(self) -> StemWriter:
@@ -66,8 +75,8 @@ class StemWriter(contextlib.ExitStack):
         """Append a block."""
         if not self._writers or trace is None:
             return
-        for channel in range(len(NAMES)):
-            self._writers[channel].write(np.ascontiguousarray(samples[:, channel : channel + 1]))
+        for writer, signal in zip(self._writers, np.split(samples, [1], axis=1), strict=False):
+            writer.write(np.ascontiguousarray(signal))
         curves = trace[:, _COLUMNS].astype(np.float32)
         curves[:, CURVES.index("torque")] /= np.float32(self._full_torque)
         self._writers[-1].write(curves)

@@ -26,6 +26,7 @@ from overview_dsp.errors import InputError, NotPreparedError, OverviewError, quo
 from overview_dsp.kernels import block, layout
 from overview_dsp.kernels.atomics import acquired
 from overview_dsp.kernels.derive import derive
+from overview_dsp.kernels.device.router import MAX_TACTORS
 from overview_dsp.kernels.noise import seed_state
 from overview_dsp.kernels.smoother import latency
 from overview_dsp.public import short
@@ -45,6 +46,7 @@ from overview_dsp.signal.engine.memory_reader import (
 )
 from overview_dsp.signal.engine.queues import ControlQueues, stamp_of
 from overview_dsp.signal.engine.surface_slots import SurfaceHistory, write_surface
+from overview_dsp.signal.engine.tactors import TactorRouter
 from overview_dsp.signal.surface.build import build_surface
 from overview_dsp.signal.surface.model import Surface
 
@@ -118,6 +120,7 @@ class Engine:
         self._slot_surfaces: list[Surface | None] = [None] * layout.SLOTS
         self._sample_rate = 0.0
         self._max_block_size = 0
+        self._router: TactorRouter | None = None
         self._journal: deque[tuple[int, dict[str, Any] | None]] = deque(maxlen=layout.HOST_RING)
 
     def prepare(
@@ -176,6 +179,7 @@ class Engine:
         self._f64[layout.S_SAMPLE_RATE] = rate
         self._u64[layout.S_SEED] = seed_state(self._seed)
         self._slot_surfaces = [None] * layout.SLOTS
+        self._router = None
         self.reset()
 
     def restart(
@@ -237,12 +241,65 @@ class Engine:
         derive(self._f64, self._i64)
         self._i64[layout.ACTIVE_SLOT] = 0
         if self._slot_surfaces[0] is not self._surface:
-            write_surface(self._f64, 0, self._surface)
-            self._slot_surfaces[0] = self._surface
+            self._write_slot(0, self._surface)
+        if self._router is not None:
+            self._router.reset()
         block.reset(self._f64, self._i64, self._u64)
         self._queues.clear()
         self._journal.clear()
         self._struck.reset(self._surface, self._timeline)
+
+    def _write_slot(self, slot: int, surface: Surface) -> None:
+        write_surface(self._f64, slot, surface)
+        self._slot_surfaces[slot] = surface
+        if self._router is not None:
+            self._router.write(slot, surface)
+
+    def set_tactors(self, count: int) -> TactorRouter | None:
+        """Choose the number of tactors that share the tactor's signal, before a stream starts.
+
+        `process` still writes one signal. A stream, or a render with `tactors`, splits it as the
+        preset's `tactor.routing` says.
+
+        Parameters
+        ----------
+        count : int
+            Number of tactors, 1 to 8.
+
+        Returns
+        -------
+        TactorRouter or None
+            Router that splits the signal; None for one tactor.
+
+        Raises
+        ------
+        InputError
+            The number is out of range.
+        NotPreparedError
+            `prepare` comes first.
+
+        Examples
+        --------
+        >>> engine = ov.Engine(football, match)
+        >>> engine.prepare(sample_rate=8000, max_block_size=256)
+        >>> engine.set_tactors(4).count
+        4
+        """
+        self._require_prepared()
+        count = validation.whole(count, "tactors", 1, MAX_TACTORS)
+        if count != (1 if self._router is None else self._router.count):
+            self._router = TactorRouter(count, self._sample_rate) if count > 1 else None
+            for slot, surface in enumerate(self._slot_surfaces):
+                if self._router is not None and surface is not None:
+                    self._router.write(slot, surface)
+        if self._router is not None:
+            self._router.reset()
+        return self._router
+
+    @property
+    def router(self) -> TactorRouter | None:
+        """Router that splits the tactor's signal after `process`; None for one tactor."""
+        return self._router
 
     @property
     def timeline(self) -> Timeline:
@@ -504,8 +561,7 @@ class Engine:
             self._queues.require_capacity(len(changed) + 1)
             if surface is not None:
                 slot = self._queues.free_slot()
-                write_surface(self._f64, slot, surface)
-                self._slot_surfaces[slot] = surface
+                self._write_slot(slot, surface)
                 changed.append((layout.COMMAND_SURFACE, float(slot)))
             # no touch can come between the check and the change
             with self._queues.no_new_events() if only_untouched else nullcontext():

@@ -30,6 +30,7 @@ from overview_dsp.arrays import FloatArray, IntArray
 from overview_dsp.data.timeline import Event, Timeline
 from overview_dsp.data.timeline.ticks import KINDS as TICKS
 from overview_dsp.design.presets.model import DEFAULT_KIND, ClickMode, EventKind, Preset
+from overview_dsp.design.presets.parameters import KIND_PARAMETERS
 from overview_dsp.errors import InputError, warn
 from overview_dsp.kernels.layout import CELLS, MAX_EVENTS
 from overview_dsp.signal.surface.angle_map import AngleMap
@@ -264,7 +265,21 @@ def build_surface(timeline: Timeline, preset: Preset, angle_map: AngleMap | None
         own_model=str(preset.values["surface.model"]),
         detents=layers.detents.field() if layers.detents is not None else None,
         bristles=layers.bristles.field(stands_for) if layers.bristles is not None else None,
+        tactor=_tactors(timeline, preset, felt[order], placed.kind[order]),
     )
+
+
+def _tactors(
+    timeline: Timeline, preset: Preset, events: IntArray, kinds: IntArray
+) -> IntArray | None:
+    """Return the tactor of each event by `tactor.routing`; None if its position chooses it."""
+    routing = preset.values["tactor.routing"]
+    if routing == "position":
+        return None
+    if routing == "team":
+        return np.array([timeline.events[event].side for event in events], dtype=np.int64)
+    number = KIND_PARAMETERS["tactor"].choices.index  # all, 1, 2, ...
+    return np.array([number(kind.tactor) for kind in preset.kinds.values()])[kinds]
 
 
 def _felt(events: tuple[Event, ...], preset: Preset) -> tuple[dict[str, IntArray], dict[str, int]]:

@@ -73,6 +73,8 @@ class Surface:
         Bristles, if any.
     detents : DetentField or None
         Detents and stops, if any.
+    tactor : int64 (events,) or None
+        Tactor of each event, from 1, or 0 for all; None if the position chooses it.
 
     See Also
     --------
@@ -102,6 +104,7 @@ class Surface:
     own_model: str = "viscous"
     bristles: BristleField | None = None
     detents: DetentField | None = None
+    tactor: IntArray | None = None
 
     @property
     def resistance(self) -> FloatArray:

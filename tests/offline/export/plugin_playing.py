@@ -189,7 +189,8 @@ def score(frames=FRAMES, seed=1):
     events = [(VALUE, "touch", 0, 1.0)]
     events += [(VALUE, "theta2", int(at), float(at / frames * 1.6)) for at in places]
     events += [(VALUE, "touch", frames // 2 + 17, 0.0)]
-    ids = [id for id in PARAMETERS if id.startswith(("disk.", "tactor.", "click.", "texture."))]
+    sections = ("disk.", "tactor.", "click.", "texture.")
+    ids = [id for id, one in PARAMETERS.items() if id.startswith(sections) and not one.surface]
     for at in np.sort(random.integers(0, frames, 12)):
         known = PARAMETERS[ids[random.integers(len(ids))]]
         value = (

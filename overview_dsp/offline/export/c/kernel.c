@@ -1,5 +1,5 @@
 /* overView DSP: the voice in C, for overview.h. Made by tools/build_c.py from the Python kernels.
-   kernels e87097f09eb19e9e
+   kernels bb12081cfd329f27
    numba 0.68.1, llvmlite 0.50.0 */
 #include "operations.h"
 
@@ -12937,7 +12937,7 @@ const char *overview_message(int32_t result) {
 }
 
 static const uint64_t ov_test_image[] = {
-    UINT64_C(0xf95073769ac7b05d), UINT64_C(0x0), UINT64_C(0xbff0000000000000), UINT64_C(0x409f400000000000),
+    UINT64_C(0xf9b2652055b5cd3), UINT64_C(0x0), UINT64_C(0xbff0000000000000), UINT64_C(0x409f400000000000),
     UINT64_C(0x4000000000000000), UINT64_C(0x2000000001), UINT64_C(0x3f29eb1e4aba15d2), UINT64_C(0x3ed85aa14420dcf7),
     UINT64_C(0x3f9fbe76c8b43958), UINT64_C(0x3f08650e42570e1f), UINT64_C(0x3fb7d2afecc903ca), UINT64_C(0x3fbe14aed893eef8),
     UINT64_C(0x402a7d74fae9f5d4), UINT64_C(0x3f1a36e2eb1c432d), UINT64_C(0x3fe6b851eb851eb8), UINT64_C(0x3fb0829d3e1c1160),
