@@ -97,29 +97,16 @@ def signature(head: bytes, kind: str) -> str | None:
 class LoadOptions:
     """Options for loading a file; each format lists those that it takes.
 
-    Parameters
-    ----------
-    duration_s
-        Length of the timeline, s, for a file without it.
-    value, time
-        Names of the columns with the values and the times.
-    map
-        Mapping to intensity: `level`, `change`, `activity`, `volatility`, `count`, or a
-        column.
-    kind, label
-        Names of the columns with the kinds and the labels of events.
-    rate
-        Sample rate, Hz, for a file without times.
-    match
-        Match in a file of several: its number (from 1), or words of its description.
-    max_mb
-        Maximum file size, MB (2**20 bytes), instead of that of the format.
-    progress
-        Called with the fraction of the file that is read, 0 to 1, by slow formats.
-    max_depth
-        Maximum nesting level of JSON, instead of `MAX_DEPTH`.
-    group
-        Text of one of the series of `load_timelines` in each column, by index of the column.
+    `duration_s`: length of the timeline, s, for a file without it.
+    `value`, `time`: names of the columns with the values and the times.
+    `map`: mapping to intensity: `level`, `change`, `activity`, `volatility`, `count`, or a column.
+    `kind`, `label`: names of the columns with the kinds and the labels of events.
+    `rate`: sample rate, Hz, for a file without times.
+    `match`: match in a file of several: its number (from 1), or words of its description.
+    `max_mb`: maximum file size, MB (2**20 bytes), instead of that of the format.
+    `progress`: called with the fraction of the file that is read, 0 to 1, by slow formats.
+    `max_depth`: maximum nesting level of JSON, instead of `MAX_DEPTH`.
+    `group`: text of one of the series of `load_timelines` in each column, by index of the column.
     """
 
     duration_s: float | None = None
@@ -217,21 +204,13 @@ def extent(text: str, deepest: int = DEEPEST) -> Extent:
 def check_extent(text: str, where: str, limit_mb: float, max_depth: int | None = None) -> None:
     """Raise InputError for JSON that is nested too deep or would take too much memory.
 
-    Parameters
-    ----------
-    text
-        The file's text.
-    where
-        Beginning of the error message.
-    limit_mb
-        Maximum file size, MB. Parsed, `PARSED_PER_MB` as much is allowed, at least `PARSED_MB`.
-    max_depth
-        Maximum nesting level, instead of `MAX_DEPTH`.
+    `text`: the file's text.
+    `where`: beginning of the error message.
+    `limit_mb`: maximum file size, MB. Parsed, `PARSED_PER_MB` as much is allowed, at least
+    `PARSED_MB`.
+    `max_depth`: maximum nesting level, instead of `MAX_DEPTH`.
 
-    Raises
-    ------
-    InputError
-        Too deep or too large; the message has the limit and the option that raises it.
+    InputError: too deep or too large; the message has the limit and the option that raises it.
     """
     allowed = max_depth if max_depth is not None else MAX_DEPTH
     found = extent(text, allowed)
@@ -256,10 +235,8 @@ def parse_json(text: str, where: str) -> object:
     NaN, Infinity and numbers too large for a float become non-finite floats, which readers reject
     with their location. A repeated key in an object is an error, since it is ambiguous.
 
-    Raises
-    ------
-    InputError
-        Broken or truncated JSON (line and column), a repeated key, or nesting too deep to parse.
+    InputError: broken or truncated JSON (line and column), a repeated key, or nesting too deep to
+    parse.
     """
 
     def whole(digits: str) -> int | float:
@@ -297,22 +274,13 @@ def parse_json(text: str, where: str) -> object:
 class DataFile:
     """A regular, non-empty file.
 
-    Parameters
-    ----------
-    path
-        Path of the file.
-    size
-        Size in bytes.
-    head
-        First bytes, up to `HEAD_BYTES`, for detecting the format.
-    options
-        Load options, which some formats depend on.
-    origin
-        Compressed file that was unpacked to `path`, or None.
-    label
-        Name of the data in error messages, if they are not a file of the user.
-    notes
-        Notes of the timeline about how the file was opened.
+    `path`: path of the file.
+    `size`: size in bytes.
+    `head`: first bytes, up to `HEAD_BYTES`, for detecting the format.
+    `options`: load options, which some formats depend on.
+    `origin`: compressed file that was unpacked to `path`, or None.
+    `label`: name of the data in error messages, if they are not a file of the user.
+    `notes`: notes of the timeline about how the file was opened.
     """
 
     path: Path
@@ -329,10 +297,7 @@ class DataFile:
     ) -> DataFile:
         """Read the first bytes of a file, which error messages call `label`, if set.
 
-        Raises
-        ------
-        InputError
-            The file is missing, a folder or device, empty, or unreadable.
+        InputError: the file is missing, a folder or device, empty, or unreadable.
         """
         where = label or printable_path(path)
         try:

@@ -75,18 +75,11 @@ def read(source: DataFile, options: LoadOptions) -> Timeline:
 def decode(document: object, default_title: str = "") -> Timeline:
     """Return the Timeline of a parsed native document.
 
-    Parameters
-    ----------
-    document
-        Parsed JSON.
-    default_title
-        Title for a document without one.
+    `document`: parsed JSON.
+    `default_title`: title for a document without one.
 
-    Raises
-    ------
-    InputError
-        An unknown or missing key, a wrong type, a value out of range; the message has the location,
-        such as `events[3].time_s`.
+    InputError: an unknown or missing key, a wrong type, a value out of range; the message has the
+    location, such as `events[3].time_s`.
     """
     if isinstance(document, dict) and "until_s" in document:  # the key's name before version 0.2
         document = {("known_until_s" if k == "until_s" else k): v for k, v in document.items()}
@@ -120,10 +113,7 @@ def decode(document: object, default_title: str = "") -> Timeline:
 def encode(timeline: Timeline) -> bytes:
     """Return a Timeline as native JSON in UTF-8, with one line per top-level key and per event.
 
-    Raises
-    ------
-    InputError
-        A curve of more than `MAX_POINTS` points.
+    InputError: a curve of more than `MAX_POINTS` points.
     """
     values: dict[str, object] = {
         _KEY: VERSION,

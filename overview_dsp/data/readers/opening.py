@@ -60,20 +60,12 @@ def is_content(data: object) -> bool:
 def opened(data: Any, options: LoadOptions, missing: str = "") -> Iterator[DataFile]:
     """Yield data as a `DataFile`, from a temporary file if they are not a plain file.
 
-    Parameters
-    ----------
-    data
-        A path, a URL, the content of a file, or an open file, read from its current position.
-    options
-        `max_mb`.
-    missing
-        Hint at the end of the error for a missing file.
+    `data`: a path, a URL, the content of a file, or an open file, read from its current position.
+    `options`: `max_mb`.
+    `missing`: hint at the end of the error for a missing file.
 
-    Raises
-    ------
-    InputError
-        As `DataFile.open`; a URL or file that can't be opened; an archive that is damaged, packed
-        twice or has several files; more data than the limit.
+    InputError: as `DataFile.open`; a URL or file that can't be opened; an archive that is damaged,
+    packed twice or has several files; more data than the limit.
     """
     with contextlib.ExitStack() as stack:
         path, label = data, ""

@@ -350,10 +350,7 @@ def list_matches(
 
     The result is empty for formats of one timeline.
 
-    Raises
-    ------
-    InputError
-        As `load_timeline`.
+    InputError: as `load_timeline`.
     """
     if os.fspath(path) in BUNDLED:
         return ()

@@ -276,10 +276,7 @@ class MissedEvents:
     def visit(self, since_s: float | None = None) -> None:
         """Visit the new events, or those from a time of the timeline on.
 
-        Raises
-        ------
-        InputError
-            There are none.
+        InputError: there are none.
         """
         present = set(self._window.timeline.events)
         if since_s is None:

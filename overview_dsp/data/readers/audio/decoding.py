@@ -104,20 +104,12 @@ _TAIL_BYTES = 65_536 + 512
 class Recording:
     """Open audio file.
 
-    Parameters
-    ----------
-    where
-        Path for messages.
-    sample_rate
-        Sample rate, Hz.
-    frames
-        Number of frames in the header.
-    weights
-        Weight of each channel's power in the loudness.
-    kind
-        Format, encoding, channels and rate, for display.
-    notes
-        Assumptions about the file.
+    `where`: path for messages.
+    `sample_rate`: sample rate, Hz.
+    `frames`: number of frames in the header.
+    `weights`: weight of each channel's power in the loudness.
+    `kind`: format, encoding, channels and rate, for display.
+    `notes`: assumptions about the file.
     """
 
     where: str
@@ -133,10 +125,7 @@ class Recording:
 
         The last block is shorter. Each block overwrites the previous one.
 
-        Raises
-        ------
-        InputError
-            The data are truncated or cannot be decoded. The message contains the time.
+        InputError: the data are truncated or cannot be decoded. The message contains the time.
         """
         import soundfile
 
@@ -187,18 +176,11 @@ def is_recording(source: DataFile) -> bool:
 def open_recording(source: DataFile, max_mb: float | None = None) -> Iterator[Recording]:
     """Open an audio file.
 
-    Parameters
-    ----------
-    source
-        File for which `is_recording` is true.
-    max_mb
-        Maximum size, as `LoadOptions.max_mb`; None: `MAX_DECODED_MB`.
+    `source`: file for which `is_recording` is true.
+    `max_mb`: maximum size, as `LoadOptions.max_mb`; None: `MAX_DECODED_MB`.
 
-    Raises
-    ------
-    InputError
-        The format is not supported, or the file is invalid, truncated, without samples or too
-        long.
+    InputError: the format is not supported, or the file is invalid, truncated, without samples or
+    too long.
     """
     unsupported = signature(source.head, "unsupported")
     if unsupported:

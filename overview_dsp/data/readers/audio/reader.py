@@ -53,11 +53,8 @@ def sniff(source: DataFile) -> bool:
 def read(source: DataFile, options: LoadOptions) -> Timeline:
     """Read a recording (takes `map`, `max_mb`, `progress`).
 
-    Raises
-    ------
-    InputError
-        The format is not supported, the file is invalid, truncated or too long, or the map is
-        unknown.
+    InputError: the format is not supported, the file is invalid, truncated or too long, or the map
+    is unknown.
     """
     map_name = options.map if options.map is not None else MAPS[0]
     if map_name not in MAPS:

@@ -90,10 +90,7 @@ def heart_timeline(
 ) -> Timeline:
     """Return the Timeline; `gaps` is the result of `find_gaps`, `signal` may be None.
 
-    Raises
-    ------
-    InputError
-        There are no beats.
+    InputError: there are no beats.
     """
     count = len(beats.time_s)
     spans, reasons = gaps

@@ -153,11 +153,9 @@ def sniff(source: DataFile) -> bool:
 def read(source: DataFile, options: LoadOptions) -> Timeline:
     """Read a table of samples (takes `rate`, `value`, `time`, `map`, `max_mb`, `progress`).
 
-    Raises
-    ------
-    InputError
-        A cell is not a number, the times are not ascending, the column of samples is ambiguous,
-        the rate is unknown, or there are no heartbeats. The message contains line and column.
+    InputError: a cell is not a number, the times are not ascending, the column of samples is
+    ambiguous, the rate is unknown, or there are no heartbeats. The message contains line and
+    column.
     """
     with validation.prefix_errors(f"{source.where}: "):
         check_map(options)

@@ -75,22 +75,13 @@ class HeaderSignal:
 class Header:
     """Content of a header.
 
-    Parameters
-    ----------
-    path
-        Path of the header file.
-    name
-        Name of the record.
-    rate
-        Frame rate, Hz.
-    frames
-        Number of frames; None if the header does not contain it.
-    signals
-        Signals in the order of the file; empty for a record of segments.
-    segments
-        Record name or `~`, and number of frames, of each segment in order.
-    start
-        Date and time of frame 0; None if the header lacks one of them.
+    `path`: path of the header file.
+    `name`: name of the record.
+    `rate`: frame rate, Hz.
+    `frames`: number of frames; None if the header does not contain it.
+    `signals`: signals in the order of the file; empty for a record of segments.
+    `segments`: record name or `~`, and number of frames, of each segment in order.
+    `start`: date and time of frame 0; None if the header lacks one of them.
     """
 
     path: Path
@@ -138,11 +129,8 @@ def looks_like_header(text: str) -> bool:
 def read_header(path: Path) -> Header:
     """Read a header and check that its signal files exist and are long enough.
 
-    Raises
-    ------
-    InputError
-        A line or value is invalid, a format is not supported, or a signal file is in another
-        folder, missing or too short. The message contains the line number.
+    InputError: a line or value is invalid, a format is not supported, or a signal file is in
+    another folder, missing or too short. The message contains the line number.
     """
     where = printable_path(path)
     with validation.prefix_errors(f"{where}: "):

@@ -54,11 +54,8 @@ def sniff(source: DataFile) -> bool:
 def read(source: DataFile, options: LoadOptions) -> Timeline:
     """Read a record (takes `value`, `map`, `progress`).
 
-    Raises
-    ------
-    InputError
-        The header or a signal file is invalid, the signal or map is unknown, there are no
-        heartbeats, or wfdb is not installed.
+    InputError: the header or a signal file is invalid, the signal or map is unknown, there are no
+    heartbeats, or wfdb is not installed.
     """
     with validation.prefix_errors(f"{source.where}: "):
         check_map(options)
@@ -150,19 +147,12 @@ class Annotations:
 def read_annotations(path: Path, rate: float, duration_s: float | None) -> Annotations:
     """Read an annotation file.
 
-    Parameters
-    ----------
-    path
-        Path of the file; its name without the suffix is the name of the record.
-    rate
-        Frame rate, Hz. The file stores the frame number of each annotation.
-    duration_s
-        Duration of the record, s; None if unknown. Later annotations are omitted with a note.
+    `path`: path of the file; its name without the suffix is the name of the record.
+    `rate`: frame rate, Hz. The file stores the frame number of each annotation.
+    `duration_s`: duration of the record, s; None if unknown. Later annotations are omitted with a
+    note.
 
-    Raises
-    ------
-    InputError
-        The file is too large or not an annotation file, or wfdb is not installed.
+    InputError: the file is too large or not an annotation file, or wfdb is not installed.
     """
     where = printable_path(path)
     try:

@@ -135,17 +135,10 @@ class JoinedSignal:
 def signal_of(header: Header, selector: str | None) -> RecordSignal | JoinedSignal | None:
     """Return the signal to read; None for a record without signals.
 
-    Parameters
-    ----------
-    header
-        Header of the record. The headers of its segments are in the same folder.
-    selector
-        Name of a signal, or its number from 1; None selects the best one for finding beats.
+    `header`: header of the record. The headers of its segments are in the same folder.
+    `selector`: name of a signal, or its number from 1; None selects the best one for finding beats.
 
-    Raises
-    ------
-    InputError
-        The signal is unknown, too long or has too low a rate, or the segments do not match.
+    InputError: the signal is unknown, too long or has too low a rate, or the segments do not match.
     """
     if header.segments:
         return _joined_signal(header, selector)

@@ -306,20 +306,12 @@ def read_list(source: DataFile, options: LoadOptions) -> Timeline:
 def decode(text: str, default_title: str = "", duration_s: float | None = None) -> Timeline:
     """Return the Timeline of an event list.
 
-    Parameters
-    ----------
-    text
-        Text of the file.
-    default_title
-        Title of a file without a `# title:` line.
-    duration_s
-        Duration, s. None: from the `# duration_s:` line, else the time of the last event.
+    `text`: text of the file.
+    `default_title`: title of a file without a `# title:` line.
+    `duration_s`: duration, s. None: from the `# duration_s:` line, else the time of the last event.
 
-    Raises
-    ------
-    InputError
-        A column, number, time or kind is invalid or missing, a row is repeated, or an event is
-        after the end. The message contains line and column.
+    InputError: a column, number, time or kind is invalid or missing, a row is repeated, or an event
+    is after the end. The message contains line and column.
     """
     dialect = header_dialect(text, FIELDS)
     if dialect is None:
@@ -350,10 +342,7 @@ def encode(timeline: Timeline) -> bytes:
 
     Reading the list returns the same title, duration and events, with labels stripped of spaces.
 
-    Raises
-    ------
-    InputError
-        The timeline has no events.
+    InputError: the timeline has no events.
     """
     if not timeline.events:
         raise InputError(

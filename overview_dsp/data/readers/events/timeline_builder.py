@@ -25,22 +25,13 @@ _MAX_IDS_SHOWN = 3
 class ListEntry:
     """Entry of an event list.
 
-    Parameters
-    ----------
-    time_s, end_s
-        Start and end, s; `end_s` is None if it is unknown.
-    kind_text
-        Event kind as written in the file.
-    label
-        Label of the event.
-    location
-        Position in the file for error messages, such as `line 7`.
-    weight
-        Strength relative to an ordinary event, 1.
-    id
-        Id in the file, or empty.
-    side
-        Team of the event, 1 or 2; 0 without one.
+    `time_s`, `end_s`: start and end, s; `end_s` is None if it is unknown.
+    `kind_text`: event kind as written in the file.
+    `label`: label of the event.
+    `location`: position in the file for error messages, such as `line 7`.
+    `weight`: strength relative to an ordinary event, 1.
+    `id`: id in the file, or empty.
+    `side`: team of the event, 1 or 2; 0 without one.
     """
 
     time_s: float
@@ -94,10 +85,8 @@ def with_kinds(listed: Sequence[ListEntry], default_kind: str = DEFAULT_KIND) ->
 def timeline_of(listed: Sequence[ListEntry], description: ListDescription) -> Timeline:
     """Return the Timeline of an event list.
 
-    Raises
-    ------
-    InputError
-        The list is empty or too long, its duration is unknown, or an event is after its end.
+    InputError: the list is empty or too long, its duration is unknown, or an event is after its
+    end.
     """
     if not listed:
         raise InputError("the file has no events; add one row per event")

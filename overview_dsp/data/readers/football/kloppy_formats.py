@@ -64,10 +64,7 @@ def sniff(source: DataFile) -> bool:
 def read(source: DataFile, options: LoadOptions) -> Timeline:
     """Read a match (takes only the options for limits).
 
-    Raises
-    ------
-    InputError
-        kloppy is not installed or cannot read the file, or the companion file is missing.
+    InputError: kloppy is not installed or cannot read the file, or the companion file is missing.
     """
     format_ = _format_of(source)
     assert format_ is not None  # checked by `sniff`

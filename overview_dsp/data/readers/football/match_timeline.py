@@ -44,22 +44,13 @@ TOUCH = "touch"
 class MatchEvent:
     """Event of a match.
 
-    Parameters
-    ----------
-    time_s
-        Time from the start of the timeline, s.
-    kind
-        Event kind.
-    team
-        Index of the team, 0 or 1; the team that scores for a goal or own goal. None: unknown.
-    player
-        Short name of the player.
-    detail
-        Addition to the label, such as `pen`, `saved` or `second yellow`.
-    minute
-        Minute as written in the source; "" if the time is exact.
-    location
-        Position of the record in the file, for notes and error messages.
+    `time_s`: time from the start of the timeline, s.
+    `kind`: event kind.
+    `team`: index of the team, 0 or 1; the team that scores for a goal or own goal. None: unknown.
+    `player`: short name of the player.
+    `detail`: addition to the label, such as `pen`, `saved` or `second yellow`.
+    `minute`: minute as written in the source; "" if the time is exact.
+    `location`: position of the record in the file, for notes and error messages.
     """
 
     time_s: float
@@ -94,10 +85,7 @@ def contains_record(entries: Iterable[object], *keys: str) -> bool:
 def concatenate_periods(lengths: Mapping[int, Any]) -> tuple[dict[int, Any], Any]:
     """Return the start of each period and the end of the last one, in the unit of `lengths`.
 
-    Raises
-    ------
-    InputError
-        The total length is 0.
+    InputError: the total length is 0.
     """
     begins, end = {}, 0
     for period in sorted(lengths):
@@ -124,28 +112,17 @@ def match_timeline(
 ) -> Timeline:
     """Return the timeline of a match: count the score, write the labels, derive the curve.
 
-    Parameters
-    ----------
-    teams
-        Names, the home team first; fewer than two if they are unknown.
-    begins_s, end_s
-        Start of each period (1 to 4) and end of the match, s.
-    match_events
-        Events in any order. Those of kind `TOUCH` become the details of the timeline.
-    provenance
-        Origin of the events.
-    notes
-        Notes of the reader.
-    default_title
-        Title if the teams are unknown.
-    title_parts
-        Additions to the title, such as competition, round and date.
-    final
-        Final score in the source, without a shoot-out. A note reports a different count of goals.
-    end_label
-        Label of the end. "": "full time", or "end" for a single period.
-    known_until_s
-        Time until which a match in progress is known, s. None: the match is over.
+    `teams`: names, the home team first; fewer than two if they are unknown.
+    `begins_s`, `end_s`: start of each period (1 to 4) and end of the match, s.
+    `match_events`: events in any order. Those of kind `TOUCH` become the details of the timeline.
+    `provenance`: origin of the events.
+    `notes`: notes of the reader.
+    `default_title`: title if the teams are unknown.
+    `title_parts`: additions to the title, such as competition, round and date.
+    `final`: final score in the source, without a shoot-out. A note reports a different count of
+    goals.
+    `end_label`: label of the end. "": "full time", or "end" for a single period.
+    `known_until_s`: time until which a match in progress is known, s. None: the match is over.
     """
     known, uncounted = len(teams) >= 2, 0
     score, all_notes = [0, 0], list(notes)
@@ -273,21 +250,13 @@ def normalize_text(text: str) -> str:
 def select_match(lines: Sequence[str], match: str | None, ids: Sequence[str] = ()) -> int:
     """Return the index (from 0) of the match that the user selects.
 
-    Parameters
-    ----------
-    lines
-        Description of each match: date, teams, score.
-    match
-        Number of the match (from 1), its id, or words of its description in any order. It may be
-        None for a file of one match.
-    ids
-        Id of each match, if the provider has ids.
+    `lines`: description of each match: date, teams, score.
+    `match`: number of the match (from 1), its id, or words of its description in any order. It may
+    be None for a file of one match.
+    `ids`: id of each match, if the provider has ids.
 
-    Raises
-    ------
-    InputError
-        The match is missing, unknown or ambiguous. The message contains the number of matches and
-        the command that lists them.
+    InputError: the match is missing, unknown or ambiguous. The message contains the number of
+    matches and the command that lists them.
     """
     listing = "'overview timeline show' lists them"
     if not lines:

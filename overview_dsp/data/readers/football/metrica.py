@@ -81,10 +81,7 @@ def read(source: DataFile, options: LoadOptions) -> Timeline:
 def decode(text: str, default_title: str = "") -> Timeline:
     """Return the Timeline of a raw-events file; `default_title` is used without team names.
 
-    Raises
-    ------
-    InputError
-        A period or time is invalid, or there is a third team.
+    InputError: a period or time is invalid, or there is a third team.
     """
     listed = []
     lines: dict[tuple[str, ...], int] = {}  # rows have no id, so equal rows are repeats

@@ -155,19 +155,11 @@ def read(source: DataFile, options: LoadOptions) -> Timeline:
 def decode(text: str, match: str | None = None, default_title: str = "") -> Timeline:
     """Return the Timeline of one match of a list.
 
-    Parameters
-    ----------
-    text
-        Text of the file.
-    match
-        As `LoadOptions.match`; may be None for a list of one match.
-    default_title
-        Title if the list has fewer than two teams.
+    `text`: text of the file.
+    `match`: as `LoadOptions.match`; may be None for a list of one match.
+    `default_title`: title if the list has fewer than two teams.
 
-    Raises
-    ------
-    InputError
-        The match is unknown or ambiguous, a minute is invalid, or there is a third team.
+    InputError: the match is unknown or ambiguous, a minute is invalid, or there is a third team.
     """
     grouped = _grouped(_rows(text))
     lines = _lines(grouped)

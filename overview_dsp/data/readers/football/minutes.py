@@ -31,15 +31,11 @@ _RANGE = f"0 to {MAX_MINUTE}, such as 38 or 90+3"
 class Minute:
     """Time on the match clock.
 
-    Parameters
-    ----------
-    base, added
-        Minute and minute of stoppage time: 90 and 3 for `90+3`; `added` is None without a plus.
-    seconds
-        Seconds after the minute, if the list has seconds; minutes then count from 0. Otherwise
-        lists count minutes from 0 or from 1.
-    period
-        Period, 1 to 5, if the list has it.
+    `base`, `added`: minute and minute of stoppage time: 90 and 3 for `90+3`; `added` is None
+    without a plus.
+    `seconds`: seconds after the minute, if the list has seconds; minutes then count from 0.
+    Otherwise lists count minutes from 0 or from 1.
+    `period`: period, 1 to 5, if the list has it.
     """
 
     base: int
@@ -87,16 +83,10 @@ def _error(location: str | CellLocation, value: object, note: str) -> InputError
 class Clock:
     """Periods of a match on the timeline.
 
-    Parameters
-    ----------
-    begins_s, lengths_s
-        Start on the timeline and length of each period, s.
-    extra_time
-        True if minutes above 90 without a plus are extra time, false for stoppage time.
-    back_s
-        Time from an event to the end of its minute, s: 30 is the middle of the minute.
-    restarts
-        True if the clock of each period starts at 0.
+    `begins_s`, `lengths_s`: start on the timeline and length of each period, s.
+    `extra_time`: true if minutes above 90 without a plus are extra time, false for stoppage time.
+    `back_s`: time from an event to the end of its minute, s: 30 is the middle of the minute.
+    `restarts`: true if the clock of each period starts at 0.
     """
 
     begins_s: Mapping[int, float]
@@ -116,19 +106,13 @@ class Clock:
     ) -> Clock:
         """Return the consecutive periods of a match.
 
-        Parameters
-        ----------
-        minutes
-            Minutes of all events.
-        extra_time
-            Whether the match had extra time. None: derived from the minutes. There is extra time
-            if a minute has period 3 or 4, or is above 105 without a plus. In a list that writes
-            stoppage time with a plus, a minute above 90 is enough.
-        back_s
-            As `Clock`.
-        ends
-            Minutes at which periods ended, if the list has them. Without seconds, the end is in
-            the middle of the minute.
+        `minutes`: minutes of all events.
+        `extra_time`: whether the match had extra time. None: derived from the minutes. There is
+        extra time if a minute has period 3 or 4, or is above 105 without a plus. In a list that
+        writes stoppage time with a plus, a minute above 90 is enough.
+        `back_s`: as `Clock`.
+        `ends`: minutes at which periods ended, if the list has them. Without seconds, the end is in
+        the middle of the minute.
         """
         listed = [minute for minute in minutes if minute.period != SHOOT_OUT]
         ends = ends or {}

@@ -162,10 +162,7 @@ def matches(source: DataFile) -> list[str]:
 def read(source: DataFile, options: LoadOptions) -> Timeline:
     """Read one match (takes `match`).
 
-    Raises
-    ------
-    InputError
-        The file is invalid or has scores only. The message contains file, match and goal.
+    InputError: the file is invalid or has scores only. The message contains file, match and goal.
     """
     return decode(_document(source), options.match, source.stem)
 
@@ -187,19 +184,11 @@ def _document(source: DataFile) -> object:
 def decode(document: object, match: str | None = None, default_title: str = "") -> Timeline:
     """Return the Timeline of one match of a parsed file.
 
-    Parameters
-    ----------
-    document
-        JSON object.
-    match
-        As `LoadOptions.match`; may be None for a file of one match.
-    default_title
-        Title if the file has no teams.
+    `document`: JSON object.
+    `match`: as `LoadOptions.match`; may be None for a file of one match.
+    `default_title`: title if the file has no teams.
 
-    Raises
-    ------
-    InputError
-        The match is unknown or ambiguous, or the minute of a goal is invalid.
+    InputError: the match is unknown or ambiguous, or the minute of a goal is invalid.
     """
     listed = _matches(document)
     selected = listed[select_match([entry.line for entry in listed], match)]

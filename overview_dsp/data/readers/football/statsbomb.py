@@ -157,10 +157,8 @@ _EMPTY = ("", "nan", "none", "null", "<na>", "nat")
 def decode(document: object, default_title: str = "") -> Timeline:
     """Return the Timeline of a parsed event file; `default_title` is used without team names.
 
-    Raises
-    ------
-    InputError
-        A record is invalid. The message contains its number and id: `event 123 (id ...): ...`.
+    InputError: a record is invalid. The message contains its number and id: `event 123 (id ...):
+    ...`.
     """
     listed = validation.of_type(document, list, "the document", "a list of events")
     records = [Record.parse(raw, i) for i, raw in enumerate(listed, start=1)]
@@ -339,18 +337,12 @@ def _partner(own_goal_for: Record, against: list[Record]) -> Record | None:
 class Record:
     """Event in a StatsBomb file.
 
-    Parameters
-    ----------
-    number
-        Number in the file, from 1 (StatsBomb's `index`).
-    raw
-        JSON object.
-    id, kind, team, player
-        `id`, `type.name`, `team.name` and `player.name`; "" if missing (`kind` is required).
-    period
-        Period, 1 to 5.
-    clock_us
-        Time since the start of the period, in whole microseconds, so that sums are exact.
+    `number`: number in the file, from 1 (StatsBomb's `index`).
+    `raw`: JSON object.
+    `id`, `kind`, `team`, `player`: `id`, `type.name`, `team.name` and `player.name`; "" if missing
+    (`kind` is required).
+    `period`: period, 1 to 5.
+    `clock_us`: time since the start of the period, in whole microseconds, so that sums are exact.
     """
 
     number: int
@@ -406,10 +398,7 @@ class Record:
     def named(self, section: str, key: str) -> str | None:
         """Return `section.key.name`; None if the section has no such key.
 
-        Raises
-        ------
-        InputError
-            The section has the key, but no name in it.
+        InputError: the section has the key, but no name in it.
         """
         part = self.section(section)
         if part.get(key) is None:

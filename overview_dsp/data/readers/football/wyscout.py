@@ -135,24 +135,14 @@ def decode(
 ) -> Timeline:
     """Return the Timeline of one match of a parsed file.
 
-    Parameters
-    ----------
-    document
-        List of events, or object that contains it.
-    match
-        As `LoadOptions.match`; may be None for a file of one match.
-    found
-        Names and scores of matches by their ids, if known.
-    companion_notes
-        Notes about the files of the companions.
-    default_title
-        Title if the teams have no names.
+    `document`: list of events, or object that contains it.
+    `match`: as `LoadOptions.match`; may be None for a file of one match.
+    `found`: names and scores of matches by their ids, if known.
+    `companion_notes`: notes about the files of the companions.
+    `default_title`: title if the teams have no names.
 
-    Raises
-    ------
-    InputError
-        The period, time or team of an event is invalid. The message contains its number: `event
-        123: ...`.
+    InputError: the period, time or team of an event is invalid. The message contains its number:
+    `event 123: ...`.
     """
     grouped = _grouped(document)
     ids = list(grouped)
@@ -356,14 +346,9 @@ _LABEL = re.compile(r"(?P<home>.+?) - (?P<away>.+?), ?(?P<score>[0-9]+ ?- ?[0-9]
 class Companion:
     """Data of a match in `matches_*.json`.
 
-    Parameters
-    ----------
-    teams
-        Names by id, the home team first; "" if they are missing.
-    score
-        Final score with extra time and without a shoot-out; None if it is missing.
-    date
-        Date, such as `2017-09-23`, or "".
+    `teams`: names by id, the home team first; "" if they are missing.
+    `score`: final score with extra time and without a shoot-out; None if it is missing.
+    `date`: date, such as `2017-09-23`, or "".
     """
 
     teams: dict[str, str]

@@ -55,10 +55,7 @@ class _Windows:
 def count_rows(table: Table, options: LoadOptions, title: str) -> Timeline:
     """Return a Timeline whose curve is the number of rows in each window.
 
-    Raises
-    ------
-    InputError
-        An option that does not apply, a wrong or too short window, no times, a wrong cell.
+    InputError: an option that does not apply, a wrong or too short window, no times, a wrong cell.
     """
     for name in ("value", "rate"):
         if getattr(options, name) is not None:

@@ -73,25 +73,15 @@ class ValueType:
 class ReadPlan:
     """Columns of a table to be read, and their roles and formats.
 
-    Parameters
-    ----------
-    table
-        The table.
-    time
-        Columns of the times, and their format.
-    value, mapped
-        Indices of the value column and of the column that becomes friction.
-    map
-        Mapping of that column to friction.
-    columns
-        All columns except the times: the value first, then the mapped one if it is another, then
-        the columns that reveal share splits.
-    decimal_mark
-        Decimal mark of the numbers, "." or ",".
-    notes
-        Messages about the choices.
-    value_type
-        Type of the values.
+    `table`: the table.
+    `time`: columns of the times, and their format.
+    `value`, `mapped`: indices of the value column and of the column that becomes friction.
+    `map`: mapping of that column to friction.
+    `columns`: all columns except the times: the value first, then the mapped one if it is another,
+    then the columns that reveal share splits.
+    `decimal_mark`: decimal mark of the numbers, "." or ",".
+    `notes`: messages about the choices.
+    `value_type`: type of the values.
     """
 
     table: Table
@@ -118,10 +108,7 @@ class ReadPlan:
 def make_read_plan(table: Table, options: LoadOptions, name: str = "") -> ReadPlan:
     """Plan how to read a table; `name` is that of the file.
 
-    Raises
-    ------
-    InputError
-        No such column, an ambiguous choice, an unknown map, or both rate and time.
+    InputError: no such column, an ambiguous choice, an unknown map, or both rate and time.
     """
     head = first_rows(table, HEAD_ROWS)
     time = choose_time(table, head, options.time, options.rate is not None, options.value)
@@ -152,10 +139,7 @@ def make_read_plan(table: Table, options: LoadOptions, name: str = "") -> ReadPl
 def requested_value_type(option: str | None, columns: Columns) -> tuple[str | None, str | None]:
     """Return column and type of a `--value-column` option, None for a part that is left out.
 
-    Raises
-    ------
-    InputError
-        The text after a column and a colon is not one of `KINDS`.
+    InputError: the text after a column and a colon is not one of `KINDS`.
     """
     name, kind = split_column_option(option or "", columns)
     if kind in KINDS:
@@ -173,16 +157,10 @@ def detect_value_type(
 ) -> ValueType:
     """Return the type of a column of values.
 
-    Parameters
-    ----------
-    columns, head
-        Columns of the table, and its first rows, one list per column.
-    value
-        Index of the column.
-    name
-        Name of the file, without suffix.
-    requested
-        Requested type, one of `KINDS`, or None.
+    `columns`, `head`: columns of the table, and its first rows, one list per column.
+    `value`: index of the column.
+    `name`: name of the file, without suffix.
+    `requested`: requested type, one of `KINDS`, or None.
     """
     if requested is not None:
         return ValueType(requested)

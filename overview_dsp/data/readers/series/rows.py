@@ -77,10 +77,7 @@ class RowReader:
 def with_settled_order(table: Table, choice: TimeChoice) -> TimeChoice:
     """Return the choice with `dmy or mdy` resolved by the whole column.
 
-    Raises
-    ------
-    InputError
-        Day and month can't be distinguished; the message says how to set the format.
+    InputError: day and month can't be distinguished; the message says how to set the format.
     """
     if choice.format.name != "dmy or mdy":
         return choice
@@ -116,10 +113,7 @@ def with_settled_order(table: Table, choice: TimeChoice) -> TimeChoice:
 def in_order(reader: RowReader, read: Rows) -> tuple[Rows, list[str]]:
     """Sort rows and keep the last row of each time; return notes on this, too.
 
-    Raises
-    ------
-    InputError
-        A clock time earlier than the one before it.
+    InputError: a clock time earlier than the one before it.
     """
     number, seconds = read[:2]
     word = reader.table.row_word
@@ -159,10 +153,7 @@ def skipped_note(reader: RowReader) -> str:
 def last_of_each_time(rows: Rows) -> Rows:
     """Return the last row of each time, with missing values from earlier rows of that time.
 
-    Parameters
-    ----------
-    rows
-        Rows sorted by time.
+    `rows`: rows sorted by time.
     """
     begins = np.flatnonzero(np.diff(rows[1], prepend=-np.inf) > 0.0)
     count = rows.shape[1]

@@ -70,12 +70,8 @@ _EVEN = 1e-6
 def scan_samples(plan: ReadPlan, reader: RowReader) -> SampleScan:
     """Scan the rows of a table.
 
-    Raises
-    ------
-    InputError
-        No rows, only one time, no value, too many gaps; rows of a long series out of order.
-    OutputError
-        The temporary folder is full.
+    InputError: no rows, only one time, no value, too many gaps; rows of a long series out of order.
+    OutputError: the temporary folder is full.
     """
     rows = iter(reader)
     head: list[Rows] = []
@@ -343,10 +339,7 @@ class SampleScan:
 def _blocks(plan: ReadPlan, rows: Iterator[Rows]) -> Iterator[Rows]:
     """Combine rows to blocks with one row per time.
 
-    Raises
-    ------
-    InputError
-        A row has an earlier time than the row before it.
+    InputError: a row has an earlier time than the row before it.
     """
     waiting: list[Rows] = []
     count = 0

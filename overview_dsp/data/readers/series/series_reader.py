@@ -43,19 +43,12 @@ def reading(open_table: Callable[[DataFile], Table]) -> Callable[[DataFile, Load
 def series_timeline(table: Table, options: LoadOptions, title: str = "") -> Timeline:
     """Return the Timeline of a table.
 
-    Parameters
-    ----------
-    table
-        Any `Table`.
-    options
-        `value`, `time`, `map`, `rate`, `match`.
-    title
-        Title, to which the name of the value column is added.
+    `table`: any `Table`.
+    `options`: `value`, `time`, `map`, `rate`, `match`.
+    `title`: title, to which the name of the value column is added.
 
-    Raises
-    ------
-    InputError
-        An ambiguous choice of columns, a wrong cell (with its row and column), too few rows.
+    InputError: an ambiguous choice of columns, a wrong cell (with its row and column), too few
+    rows.
     """
     one = selected_group(table, options)
     if one is not None:

@@ -46,14 +46,9 @@ def array_table(
 ) -> ColumnTable:
     """Return a table of one-dimensional arrays of equal length, in memory or on disk.
 
-    Parameters
-    ----------
-    names
-        Names of the columns.
-    arrays
-        Numbers, datetimes, texts.
-    notes
-        Messages about how the table was read.
+    `names`: names of the columns.
+    `arrays`: numbers, datetimes, texts.
+    `notes`: messages about how the table was read.
     """
     return ColumnTable(
         "NumPy",

@@ -88,17 +88,11 @@ class NumberColumn:
     def values(self, cells: Cells, locate: Callable[[int], CellLocation]) -> FloatArray:
         """Return float64 of the cells' length, NaN where there is no value.
 
-        Parameters
-        ----------
-        cells
-            A chunk's column.
-        locate
-            Function from the index of a cell to its location, for errors.
+        `cells`: a chunk's column.
+        `locate`: function from the index of a cell to its location, for errors.
 
-        Raises
-        ------
-        InputError
-            A text, infinity, a magnitude above 1e300, or a unit other than that of earlier cells.
+        InputError: a text, infinity, a magnitude above 1e300, or a unit other than that of earlier
+        cells.
         """
         if isinstance(cells, np.ndarray):
             if cells.dtype.kind not in "iuf":
@@ -202,10 +196,7 @@ def sentinel(value: FloatArray) -> float | None:
     It is the smallest value, one of `SENTINELS`, and further below all others than their range:
     -9999 among temperatures qualifies, -99 among depths from 0 to -120 does not.
 
-    Parameters
-    ----------
-    value
-        Values of the column, NaN if missing.
+    `value`: values of the column, NaN if missing.
     """
     known = value[~np.isnan(value)]
     if not known.size:
@@ -223,14 +214,9 @@ def sentinel(value: FloatArray) -> float | None:
 def choose_decimal_mark(head: Head, columns: Sequence[int], separator: str | None) -> str:
     """Return "." or ",", the decimal mark of a table.
 
-    Parameters
-    ----------
-    head
-        The first rows, one list per column.
-    columns
-        Indices of the columns that are read; they decide before the others.
-    separator
-        Character between fields; None for blanks, or where there are no fields.
+    `head`: the first rows, one list per column.
+    `columns`: indices of the columns that are read; they decide before the others.
+    `separator`: character between fields; None for blanks, or where there are no fields.
     """
     used = [cell for i in columns for cell in head[i]]
     mark = detect_decimal_mark(used) or detect_decimal_mark(

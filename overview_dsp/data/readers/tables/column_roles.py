@@ -81,23 +81,13 @@ def choose_time(
 ) -> TimeChoice:
     """Choose the time column.
 
-    Parameters
-    ----------
-    table
-        The table.
-    head
-        Its first rows, one list per column.
-    requested
-        `COLUMN`, `COLUMN:FORMAT` or `:FORMAT`.
-    rated
-        Whether rows are evenly spaced at a requested rate.
-    value
-        Requested column of values. It does not contain clocks.
+    `table`: the table.
+    `head`: its first rows, one list per column.
+    `requested`: `COLUMN`, `COLUMN:FORMAT` or `:FORMAT`.
+    `rated`: whether rows are evenly spaced at a requested rate.
+    `value`: requested column of values. It does not contain clocks.
 
-    Raises
-    ------
-    InputError
-        No such column, or no column of times; the message lists the columns.
+    InputError: no such column, or no column of times; the message lists the columns.
     """
     columns = table.columns
     name, written = requested_format(requested, columns)
@@ -343,10 +333,7 @@ def choose_value(
     This is the requested column, else the only column of numbers, else the adjusted close or the
     close in a table of prices.
 
-    Raises
-    ------
-    InputError
-        No such column, no column of numbers, or several; the message lists them.
+    InputError: no such column, no column of numbers, or several; the message lists them.
     """
     columns = table.columns
     if requested is not None:
@@ -579,17 +566,10 @@ def _time_column(columns: Columns, requested: str | None) -> int | None:
 def roles_of(columns: Columns, head: Head, options: LoadOptions) -> Roles:
     """Assign roles to the columns of an event table.
 
-    Parameters
-    ----------
-    columns, head
-        Columns of the table, and its first rows, one list per column.
-    options
-        `time` (`COLUMN`, `COLUMN:FORMAT` or `:FORMAT`), `kind` and `label`.
+    `columns`, `head`: columns of the table, and its first rows, one list per column.
+    `options`: `time` (`COLUMN`, `COLUMN:FORMAT` or `:FORMAT`), `kind` and `label`.
 
-    Raises
-    ------
-    InputError
-        No such column, or cells that are not times.
+    InputError: no such column, or cells that are not times.
     """
     name, written = requested_format(options.time, columns)
     if name is not None:

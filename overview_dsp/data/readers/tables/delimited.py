@@ -60,10 +60,7 @@ def sniff(source: DataFile) -> bool:
 def open_table(source: DataFile) -> DelimitedTable:
     """Return the file's table.
 
-    Raises
-    ------
-    InputError
-        No rows below the header.
+    InputError: no rows below the header.
     """
     dialect = detect(source)
     assert dialect is not None  # `sniff` has returned True
@@ -78,10 +75,8 @@ def open_table(source: DataFile) -> DelimitedTable:
 def records(text: str) -> Iterator[tuple[int, dict[str, str]]]:
     """Yield (line, {column: field}) for each row below a header, with lower-case names.
 
-    Raises
-    ------
-    InputError
-        No header, a column named twice, more fields than columns, broken quotes, too many rows.
+    InputError: no header, a column named twice, more fields than columns, broken quotes, too many
+    rows.
     """
     dialect = header_dialect(text)
     if dialect is None:
@@ -344,16 +339,10 @@ def field_ends(
 ) -> IntArray | None:
     """Return the ends of the fields of a block, shape (rows * width,), None if it is not plain.
 
-    Parameters
-    ----------
-    data
-        Buffer (`padded`) of whole lines of ASCII characters, each with its line end.
-    separator
-        Character between fields.
-    width
-        Number of fields per line.
-    comments
-        Prefixes of comment lines.
+    `data`: buffer (`padded`) of whole lines of ASCII characters, each with its line end.
+    `separator`: character between fields.
+    `width`: number of fields per line.
+    `comments`: prefixes of comment lines.
     """
     ends = data == _NEWLINE
     marks = np.flatnonzero(ends | (data == ord(separator)))

@@ -46,20 +46,13 @@ Rows = list[tuple[int, list[str]]]
 class Dialect:
     """Layout of a text table.
 
-    Parameters
-    ----------
-    encoding, separator
-        Encoding of the text, and character between fields: one of `SEPARATORS`, None for blanks.
-    header
-        Names of the columns; `column 1` and so on if the file has no header.
-    units
-        Units from a row below the header, or empty texts.
-    first
-        Line number of the first row.
-    comments
-        Prefixes of comment lines.
-    notes
-        Messages about how the layout was detected.
+    `encoding`, `separator`: encoding of the text, and character between fields: one of
+    `SEPARATORS`, None for blanks.
+    `header`: names of the columns; `column 1` and so on if the file has no header.
+    `units`: units from a row below the header, or empty texts.
+    `first`: line number of the first row.
+    `comments`: prefixes of comment lines.
+    `notes`: messages about how the layout was detected.
     """
 
     encoding: str

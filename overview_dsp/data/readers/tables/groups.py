@@ -102,10 +102,7 @@ def selected_group(table: Table, options: LoadOptions) -> OneGroup | None:
 def select_group(table: Table, option: str) -> OneGroup:
     """Return the rows selected by `COLUMN=TEXT`, several of them, or a text in only one column.
 
-    Raises
-    ------
-    InputError
-        No row matches, or several columns contain the text.
+    InputError: no row matches, or several columns contain the text.
     """
     texts: dict[int, str | None] = {}
     end_of_option = (len(option) + 1, 0, 0)
@@ -165,10 +162,7 @@ def groups_of(table: Table, group: str) -> dict[str, dict[int, str]]:
 
     Rows without a text in a column belong to no series; a warning counts them.
 
-    Raises
-    ------
-    InputError
-        There is no such column, or it has too many texts.
+    InputError: there is no such column, or it has too many texts.
     """
     whole = column_named(table.columns, group)
     names = group.split(",") if whole is None else [group]
@@ -202,17 +196,11 @@ def require_single_series(
 ) -> None:
     """Raise InputError if columns distinguish several series; the message lists them.
 
-    Parameters
-    ----------
-    table, time
-        The table, and its times.
-    used
-        Columns of values, which distinguish no series.
-    numbers
-        Whether columns of numbers may distinguish series, too.
-    events
-        Whether rows are events, which may have one time: only times that start again count, in a
-        column that is called so.
+    `table`, `time`: the table, and its times.
+    `used`: columns of values, which distinguish no series.
+    `numbers`: whether columns of numbers may distinguish series, too.
+    `events`: whether rows are events, which may have one time: only times that start again count,
+    in a column that is called so.
     """
     texts_of = table.texts if isinstance(table, OneGroup) else {}
     selected = {i: text for i, text in texts_of.items() if text is not None}

@@ -104,12 +104,8 @@ def _records(first: int, block: str) -> Iterator[tuple[int, dict[str, Any]]]:
 def cells_of(block: str, names: Sequence[str]) -> tuple[Cells, ...] | None:
     """Return the values of these keys, None if lines differ in more than their values.
 
-    Parameters
-    ----------
-    block
-        Whole lines.
-    names
-        Keys in all lines.
+    `block`: whole lines.
+    `names`: keys in all lines.
     """
     if "\\" in block or not block.isascii():
         return None

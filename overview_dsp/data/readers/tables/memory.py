@@ -64,19 +64,12 @@ _SECOND = np.timedelta64(1, "s")
 def table_of(data: Any, times: Any = None) -> ColumnTable:
     """Return data in memory as a table, if `is_table` returns True for them.
 
-    Parameters
-    ----------
-    data
-        A data frame or series; an array of one or two dimensions, or with named fields; a list of
-        numbers, rows, records or events; a dict of columns, or of values by time.
-    times
-        Times of the rows, if `data` does not contain them.
+    `data`: a data frame or series; an array of one or two dimensions, or with named fields; a list
+    of numbers, rows, records or events; a dict of columns, or of values by time.
+    `times`: times of the rows, if `data` does not contain them.
 
-    Raises
-    ------
-    InputError
-        Rows of different types or lengths, no rows, too many columns, columns of different
-        lengths, a data frame that can't be read.
+    InputError: rows of different types or lengths, no rows, too many columns, columns of different
+    lengths, a data frame that can't be read.
     """
     kind, columns = _columns(data)
     if times is not None:
@@ -320,16 +313,11 @@ def _field(text: str) -> str:
 class InputColumn:
     """Column of data in memory.
 
-    Parameters
-    ----------
-    cells
-        Cells, as in the chunks of a table.
-    offset_min
-        Offset from UTC of the first datetime, min, for datetimes with a zone; `cells` are in UTC.
-    unit
-        Unit of the type: `s` for time spans, `hh:mm` for times of day.
-    key
-        As in `Column`.
+    `cells`: cells, as in the chunks of a table.
+    `offset_min`: offset from UTC of the first datetime, min, for datetimes with a zone; `cells` are
+    in UTC.
+    `unit`: unit of the type: `s` for time spans, `hh:mm` for times of day.
+    `key`: as in `Column`.
     """
 
     cells: Cells
@@ -449,10 +437,8 @@ def columns_of(frame: Any) -> tuple[str, list[tuple[str, InputColumn]]]:
 
     An index becomes the first column, except plain row numbers.
 
-    Raises
-    ------
-    InputError
-        narwhals isn't installed, or does not support the type; a lazy frame; a repeated header.
+    InputError: narwhals isn't installed, or does not support the type; a lazy frame; a repeated
+    header.
     """
     library = type(frame).__module__.partition(".")[0]
     what = f"a {library} {type(frame).__name__}"

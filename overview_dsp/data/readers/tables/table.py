@@ -41,19 +41,12 @@ _WITH_UNIT = re.compile(r"(.*?)\s*[(\[]\s*([^()\[\]]{1,24}?)\s*[)\]]\s*", re.DOT
 class Column:
     """Header of a column, with the name and the unit that it contains.
 
-    Parameters
-    ----------
-    header
-        Header as written, without surrounding blanks.
-    name, unit
-        `temp_max` and `°C` for `temp_max (°C)`, `rain_mm` and `mm` for `rain_mm`. Without a unit,
-        `unit` is empty.
-    zoned
-        True if the datetimes are UTC. Columns of text contain their time zone instead.
-    offset_min
-        Offset of the original time zone from UTC, min.
-    key
-        True for one of several levels of an index: times, or names of series, but no values.
+    `header`: header as written, without surrounding blanks.
+    `name`, `unit`: `temp_max` and `°C` for `temp_max (°C)`, `rain_mm` and `mm` for `rain_mm`.
+    Without a unit, `unit` is empty.
+    `zoned`: true if the datetimes are UTC. Columns of text contain their time zone instead.
+    `offset_min`: offset of the original time zone from UTC, min.
+    `key`: true for one of several levels of an index: times, or names of series, but no values.
     """
 
     header: str
@@ -90,16 +83,10 @@ Head = Sequence[Sequence[Any]]
 class Chunk:
     """Some rows of the requested columns.
 
-    Parameters
-    ----------
-    cells
-        One entry per requested column, all of the same length.
-    first
-        Number of the first row: of its line, row or record, counted from 1.
-    numbers
-        Number of each row, if they are not consecutive from `first`.
-    part
-        Fraction of the file that has been read, 0 to 1.
+    `cells`: one entry per requested column, all of the same length.
+    `first`: number of the first row: of its line, row or record, counted from 1.
+    `numbers`: number of each row, if they are not consecutive from `first`.
+    `part`: fraction of the file that has been read, 0 to 1.
     """
 
     cells: tuple[Cells, ...]
@@ -119,14 +106,9 @@ class Chunk:
 class CellLocation:
     """Location of a cell or row in a file. It builds all error messages about cells.
 
-    Parameters
-    ----------
-    line
-        Number of the line, row or record, counted from 1.
-    column
-        Header of the column; empty for a whole row.
-    word
-        Name of a row: `line`, `row` or `record`.
+    `line`: number of the line, row or record, counted from 1.
+    `column`: header of the column; empty for a whole row.
+    `word`: name of a row: `line`, `row` or `record`.
     """
 
     line: int
@@ -181,12 +163,8 @@ class Table:
 class ColumnTable(Table):
     """A table with random access: in memory, or mapped from a file.
 
-    Parameters
-    ----------
-    rows
-        Number of rows.
-    cut
-        Function of column index, first row and end row that returns the cells.
+    `rows`: number of rows.
+    `cut`: function of column index, first row and end row that returns the cells.
     """
 
     kind: str
@@ -236,10 +214,7 @@ def split_column_option(option: str, columns: Columns) -> tuple[str, str]:
 def column_named(columns: Columns, name: str) -> int | None:
     """Return the index of a column by header or name; case matters only to choose between several.
 
-    Raises
-    ------
-    InputError
-        Several columns have this name.
+    InputError: several columns have this name.
     """
     exact = " ".join(name.split())
     headers, names = [c.header for c in columns], [c.name for c in columns]

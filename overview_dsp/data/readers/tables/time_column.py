@@ -79,12 +79,8 @@ _FIRST_S, _LAST_S = -62_135_596_800.0, 253_402_300_799.999999
 class Format:
     """Format of a column of times.
 
-    Parameters
-    ----------
-    name
-        One of `FORMATS`, or a key of `time_parsing.FORMS`.
-    note
-        Message about the choice, or empty.
+    `name`: one of `FORMATS`, or a key of `time_parsing.FORMS`.
+    `note`: message about the choice, or empty.
     """
 
     name: str
@@ -104,10 +100,7 @@ class Format:
 def requested_format(option: str | None, columns: Columns) -> tuple[str | None, str]:
     """Return column (or None) and format (or "") of a `--time-column` option.
 
-    Raises
-    ------
-    InputError
-        The text after the last colon is not a format.
+    InputError: the text after the last colon is not a format.
     """
     if option is None:
         return None, ""
@@ -324,18 +317,11 @@ class TimeColumn:
     def seconds(self, cells: Cells, locate: Callable[[int], CellLocation]) -> FloatArray:
         """Return float64 of the cells' length, NaN where there is no time.
 
-        Parameters
-        ----------
-        cells
-            A chunk's column.
-        locate
-            Function from the index of a cell to its location, for errors.
+        `cells`: a chunk's column.
+        `locate`: function from the index of a cell to its location, for errors.
 
-        Raises
-        ------
-        InputError
-            A cell in another format, a moment outside the years 1 to 9999, or a mixture of times
-            with and without a zone.
+        InputError: a cell in another format, a moment outside the years 1 to 9999, or a mixture of
+        times with and without a zone.
         """
         seconds = self._seconds(cells, locate)
         if self.anchor_ns is not None:
@@ -367,10 +353,7 @@ class TimeColumn:
     def start(self, first_s: float) -> datetime | None:
         """Return the calendar moment `first_s` seconds after the anchor; None for plain time.
 
-        Raises
-        ------
-        InputError
-            It lies outside the years 1 to 9999.
+        InputError: it lies outside the years 1 to 9999.
         """
         if self.anchor_ns is None:
             return None

@@ -22,10 +22,7 @@ _PART = 1 << 20
 def choice(source: DataFile) -> tuple[LoadOptions, tuple[str, ...]]:
     """Return the options for the sheet that is read, without its name, and notes about it.
 
-    Raises
-    ------
-    InputError
-        The file can't be read, or is protected by a password.
+    InputError: the file can't be read, or is protected by a password.
     """
     sheets = json.loads(b"".join(_printed(source)))
     if source.options.match in sheets:
@@ -38,10 +35,7 @@ def choice(source: DataFile) -> tuple[LoadOptions, tuple[str, ...]]:
 def csv_parts(source: DataFile) -> Iterator[bytes]:
     """Yield the rows of a sheet as CSV: that named by the option `match`, or the first with cells.
 
-    Raises
-    ------
-    InputError
-        The sheet needs too much memory, or there are no cells.
+    InputError: the sheet needs too much memory, or there are no cells.
     """
     empty = True
     for part in _printed(source, source.options.match or ""):
