@@ -19,12 +19,7 @@ from overview_dsp.web.remote_inputs import RemoteInputs
 
 
 class HostSession(Input):
-    """Player that pages control; also the input that `headless.run` and the screen poll.
-
-    Attributes
-    ----------
-    player : Player
-    """
+    """Player that pages control; also the input that `headless.run` and the screen poll."""
 
     def __init__(self, player: Player, other: Input | None = None) -> None:
         """Control `player`; the session ends with the second input `other`, if there is one."""

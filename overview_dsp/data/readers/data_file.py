@@ -436,20 +436,13 @@ class DataFile:
 class Format:
     """A file format and its reader.
 
-    Parameters
-    ----------
-    name
-        Name of the format in error messages.
-    sniff
-        Function that detects the format from the content, never from the name of the file.
-    read
-        Function that returns the Timeline.
-    options
-        Names of the `LoadOptions` that the format takes.
-    matches
-        Function that returns one line per match, in order, for files of several matches.
-    open_table
-        Function that returns the table of a file, for tables whose columns may distinguish series.
+    `name`: name of the format in error messages.
+    `sniff`: function that detects the format from the content, never from the name of the file.
+    `read`: function that returns the Timeline.
+    `options`: names of the `LoadOptions` that the format takes.
+    `matches`: function that returns one line per match, in order, for files of several matches.
+    `open_table`: function that returns the table of a file, for tables whose columns may
+    distinguish series.
 
     Errors of these functions may begin with the path of the file; otherwise, it is added.
     """

@@ -186,18 +186,11 @@ def moments(
 ) -> tuple[Whole, Whole, Whole | None] | None:
     """Return the moments of texts that differ in digits only; None if one is wrong.
 
-    Parameters
-    ----------
-    text, form
-        The first text, and the form of all.
-    number
-        Function from the begin and end of digits in all texts to their numbers.
+    They are seconds since 1970 in UTC, nanoseconds after them, and offsets from UTC in minutes
+    (None: no zone was written).
 
-    Returns
-    -------
-    tuple
-        Seconds since 1970 in UTC, nanoseconds after them, offsets from UTC in minutes (None: no
-        zone was written).
+    `text`, `form`: the first text, and the form of all.
+    `number`: function from the begin and end of digits in all texts to their numbers.
     """
     match = next(filter(None, (pattern.fullmatch(text) for pattern in FORMS[form])), None)
     if match is None or "w" in match.re.groupindex:

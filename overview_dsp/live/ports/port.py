@@ -26,12 +26,8 @@ class Datagram(bytes):
 class Port(Protocol):
     """Connection to a device, which sends bytes or messages and may receive bytes.
 
-    Attributes
-    ----------
-    name : str
-        Name of the port, as in `--input`.
-    dropped : int
-        Messages discarded from a full queue since the reader set this to 0.
+    `name`: name of the port, as in `--input`.
+    `dropped`: messages discarded from a full queue since the reader set this to 0.
     """
 
     name: str

@@ -36,16 +36,10 @@ class ActiveWindow:
 
     Thread: control.
 
-    Attributes
-    ----------
-    timeline : Timeline
-        Whole timeline.
-    window : (start_s, end_s)
-        Visible part of the timeline.
-    window_timeline : Timeline
-        Timeline of the window, whose times start at 0.
-    presets : PresetPair
-        Presets to choose from.
+    `timeline`: whole timeline.
+    `window`: visible part of the timeline.
+    `window_timeline`: timeline of the window, whose times start at 0.
+    `presets`: presets to choose from.
     """
 
     def __init__(self, session: Session, timeline: Timeline, presets: PresetPair) -> None:

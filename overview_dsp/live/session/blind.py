@@ -54,14 +54,9 @@ def abx_d_prime(hits: int, trials: int) -> float:
 class AbxTrials:
     """Trials: X is A or B, drawn at random for each answer, which is at once a row of a file.
 
-    Attributes
-    ----------
-    x : int
-        Index of the present X: 0 is A, 1 is B.
-    felt_x : bool
-        Whether X was played since it was drawn.
-    hits, trials : int
-        Number of right answers, and of all answers.
+    `x`: index of the present X: 0 is A, 1 is B.
+    `felt_x`: whether X was played since it was drawn.
+    `hits`, `trials`: number of right answers, and of all answers.
     """
 
     def __init__(self, path: Path, seed: int | None = None) -> None:

@@ -76,12 +76,8 @@ class LiveUpdates:
 
     Thread: control.
 
-    Attributes
-    ----------
-    live : LiveTimeline
-        Its data.
-    announced : list of Event
-        Latest announced events, up to 100, the newest last.
+    `live`: live timeline that is followed.
+    `announced`: latest announced events, up to 100, the newest last.
     """
 
     def __init__(

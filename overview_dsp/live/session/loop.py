@@ -31,10 +31,7 @@ class Loop:
 
     Thread: control.
 
-    Attributes
-    ----------
-    passes : int
-        Number of passes of the present gesture that have started.
+    `passes`: number of passes of the present gesture that have started.
     """
 
     def __init__(

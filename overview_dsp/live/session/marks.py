@@ -37,15 +37,9 @@ class MarksFile:
 class Marks:
     """Marks of a session.
 
-    Attributes
-    ----------
-    events : list of Event
-        Marks in the order in which they were set.
+    `events`: marks in the order in which they were set.
 
-    Raises
-    ------
-    InputError
-        The file is damaged.
+    InputError: the file is damaged.
     """
 
     def __init__(self, session: Session, window: ActiveWindow, file: MarksFile | None) -> None:

@@ -52,30 +52,17 @@ _BLIND = "a blind comparison chooses the preset; press a, b or x"
 class Player:
     """Live player of a timeline.
 
-    Attributes
-    ----------
-    engine : Engine
-        Prepared engine.
-    output : ReconnectingStream
-        Output that runs the engine.
-    active_window : ActiveWindow
-        Window of the timeline, and the presets.
-    pointer : Pointer
-        Input of mouse and keys.
-    takes : Takes
-        Take that is recorded, and takes that have ended.
-    loop : Loop
-        Replay of a gesture.
-    live_updates : LiveUpdates or None
-        Updates of a live timeline; None for a complete one.
-    state : SessionState
-        State at the last poll; any thread may read it.
-    queued_commands : deque of tuple of str
-        Commands that wait for `commands.poll`.
-    marks : Marks
-        Marks of the user.
-    blind : BlindComparison or None
-        Blind comparison, during which the presets are chosen by it alone.
+    `engine`: prepared engine.
+    `output`: output that runs the engine.
+    `active_window`: window of the timeline, and the presets.
+    `pointer`: input of mouse and keys.
+    `takes`: take that is recorded, and takes that have ended.
+    `loop`: replay of a gesture.
+    `live_updates`: updates of a live timeline; None for a complete one.
+    `state`: state at the last poll; any thread may read it.
+    `queued_commands`: commands that wait for `commands.poll`.
+    `marks`: marks of the user.
+    `blind`: blind comparison, during which the presets are chosen by it alone.
     """
 
     def __init__(

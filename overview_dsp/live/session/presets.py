@@ -23,10 +23,7 @@ class PresetWatch:
 
     Thread: control.
 
-    Attributes
-    ----------
-    preset : Preset
-        Preset of the last valid version of the file.
+    `preset`: preset of the last valid version of the file.
     """
 
     def __init__(self, name: str, linear: bool = False) -> None:
@@ -97,12 +94,8 @@ class PresetPair:
 
     Thread: control.
 
-    Attributes
-    ----------
-    linear : bool
-        Whether presets are used without their angle map.
-    next_choice : int or None
-        Preset (0 or 1) that becomes active at the start of the next loop pass.
+    `linear`: whether presets are used without their angle map.
+    `next_choice`: preset (0 or 1) that becomes active at the start of the next loop pass.
     """
 
     def __init__(self, watch: PresetWatch, other: PresetWatch | None = None) -> None:

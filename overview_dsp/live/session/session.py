@@ -75,10 +75,7 @@ class Session(Messages):
 
     Thread: control; any thread may call `say`.
 
-    Attributes
-    ----------
-    engine : Engine
-        Prepared engine; it may be restarted during the session.
+    `engine`: prepared engine; it may be restarted during the session.
     """
 
     def __init__(self, engine: Engine) -> None:
@@ -107,12 +104,8 @@ class Pointer:
 
     Thread: control.
 
-    Attributes
-    ----------
-    position : float
-        Present or last position of its touch, 0 to 1.
-    touching : bool
-        Whether it touches; False after the engine restarts.
+    `position`: present or last position of the touch, 0 to 1.
+    `touching`: whether the pointer touches; False after the engine restarts.
     """
 
     def __init__(self, session: Session, output: ReconnectingStream) -> None:

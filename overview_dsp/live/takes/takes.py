@@ -35,12 +35,9 @@ class Recorder:
 
     Thread: its own, which `start` creates; any thread may call `close`.
 
-    Attributes
-    ----------
-    path : Path
-        Present path of the take.
-    differs : str
-        Reason why a render of the take isn't bit-identical to the played samples; otherwise empty.
+    `path`: present path of the take.
+    `differs`: reason why a render of the take isn't bit-identical to the played samples; otherwise
+    empty.
     """
 
     def __init__(
@@ -205,12 +202,8 @@ class Takes:
 
     Thread: control; any thread may call `end`.
 
-    Attributes
-    ----------
-    ended : list of str
-        Paths of the takes that have ended.
-    summaries : list of str
-        Line for the user on each of them.
+    `ended`: paths of the takes that have ended.
+    `summaries`: line for the user on each of them.
     """
 
     def __init__(self, session: Session, path: str | os.PathLike[str] | None) -> None:

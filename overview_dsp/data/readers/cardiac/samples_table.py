@@ -303,18 +303,12 @@ def _columns(
     time: int | None,
     progress: Callable[[float], None],
 ) -> tuple[NDArray[np.float32], FloatArray | None, datetime | None]:
-    """Read a column of values and one of times.
+    """Return a column of values (NaN if missing), one of times, and the first date.
 
-    Returns
-    -------
-    values : float32 (n,), NaN if missing
-    times : float64 (n,) in the unit of the column, dates in s from the first; None without a column
-    start : first date, None if the times are not dates
+    Times are in the unit of the column, dates in s from the first. They are None without a column,
+    and the first date is None if they are not dates.
 
-    Raises
-    ------
-    InputError
-        A cell is invalid or missing. The message contains line and column.
+    InputError: a cell is invalid or missing. The message contains line and column.
     """
     values: list[NDArray[np.float32]] = []
     times: list[FloatArray] = []

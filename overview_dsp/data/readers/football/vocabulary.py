@@ -77,22 +77,13 @@ def is_sentence(text: str) -> bool:
 
 @functools.lru_cache(maxsize=4096)
 def meaning(kind: str, details: str, *, own: bool, penalty: bool) -> tuple[str, str]:
-    """Return the event kind and the label's detail for the columns of a row.
+    """Return the event kind and the label's detail, such as `pen`, for the columns of a row.
 
-    Parameters
-    ----------
-    kind
-        Normalized text of the column with the kind.
-    details
-        Normalized text of further columns, such as outcome, card and description.
-    own, penalty
-        Whether the row has its own column for own goals or penalties, and it is set.
+    The kind is `half_end` or `match_end` for the end of a period, "" for all other texts.
 
-    Returns
-    -------
-    tuple
-        Event kind, and detail such as `pen` or `saved`. The kind is `half_end` or `match_end` for
-        the end of a period, "" for all other texts.
+    `kind`: normalized text of the column with the kind.
+    `details`: normalized text of further columns, such as outcome, card and description.
+    `own`, `penalty`: whether the row has its own column for own goals or penalties, and it is set.
     """
     both = f"{kind} {details}".strip()
     if has("cancelled", both) and not has("card", kind):

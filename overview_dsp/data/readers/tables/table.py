@@ -137,16 +137,10 @@ class CellLocation:
 class Table:
     """A table that is read in chunks of rows, any number of times.
 
-    Attributes
-    ----------
-    kind
-        Kind of file: `CSV`, `Parquet`, `JSON`.
-    columns
-        All columns, in order.
-    row_word
-        Name of a row in error messages: `line`, `row` or `record`.
-    notes
-        Messages about how the table was read.
+    `kind`: kind of file: `CSV`, `Parquet`, `JSON`.
+    `columns`: all columns, in order.
+    `row_word`: name of a row in error messages: `line`, `row` or `record`.
+    `notes`: messages about how the table was read.
     """
 
     kind: str

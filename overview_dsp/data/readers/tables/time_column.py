@@ -177,13 +177,8 @@ def settle_order(texts: Iterator[tuple[int, str]]) -> tuple[str, int | None]:
     """Distinguish `dmy` and `mdy` by all cells of a column, as pairs of row number and text.
 
     A number above 12 is the day. Without any, the format is chosen with which the times always
-    increase, or always decrease, if only one format does.
-
-    Returns
-    -------
-    tuple
-        `dmy` or `mdy`, and the number of the row that decides (None if the order of rows does).
-        The text is empty if nothing decides.
+    increase, or always decrease, if only one format does. The number of the row that decides is
+    returned too (None if the order of rows does). The text is empty if nothing decides.
     """
     order = {"dmy": [True, True], "mdy": [True, True]}  # still increasing, still decreasing
     last: dict[str, int] = {}
