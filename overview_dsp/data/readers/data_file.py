@@ -251,7 +251,7 @@ def parse_json(text: str, where: str) -> object:
         return table
 
     try:
-        document: object = json.loads(text, parse_int=whole, object_pairs_hook=unique)
+        return json.loads(text, parse_int=whole, object_pairs_hook=unique)
     except json.JSONDecodeError as error:
         cut = error.pos >= len(text.rstrip()) or error.msg.startswith("Unterminated")
         advice = "the file seems cut off: get it again" if cut else "correct it there"
@@ -267,7 +267,6 @@ def parse_json(text: str, where: str) -> object:
         raise InputError(
             f"{where}: too large for this machine's memory; cut it into parts"
         ) from error
-    return document
 
 
 @dataclass(frozen=True)
@@ -369,9 +368,7 @@ class DataFile:
     @property
     def looks_like_json(self) -> bool:
         """True if the file is text that begins with a bracket of JSON."""
-        if self.head_text is None:
-            return False
-        return _is_json(self.head_text)
+        return self.head_text is not None and _is_json(self.head_text)
 
     @cached_property
     def text(self) -> str:

@@ -61,9 +61,11 @@ _NAMES: dict[str, str] = load_toml(__file__, "formats.toml")
 _LENGTH, _MATCH = frozenset({"duration_s"}), frozenset({"match"})
 
 
-def _module(name: str, module: ModuleType, options: Iterable[str] = ()) -> Format:
+def _module(
+    name: str, module: ModuleType, options: Iterable[str] = (), sniff: Sniff | None = None
+) -> Format:
     matches = getattr(module, "matches", None)
-    return Format(_NAMES[name], module.sniff, module.read, frozenset(options), matches)
+    return Format(_NAMES[name], sniff or module.sniff, module.read, frozenset(options), matches)
 
 
 def _events(name: str, sniff: Sniff, read: Read, open_table: OpenTable) -> Format:
@@ -92,13 +94,7 @@ FORMATS: tuple[Format, ...] = (
     _module("kloppy", kloppy_formats),
     _module("services", services, _MATCH),
     _module("openfootball", openfootball, _MATCH),
-    Format(
-        _NAMES["football_txt"],
-        openfootball.sniff_text,
-        openfootball.read,
-        _MATCH,
-        openfootball.matches,
-    ),
+    _module("football_txt", openfootball, _MATCH, openfootball.sniff_text),
     _module("minutes", minute_list, _MATCH),
     Format(_NAMES["event_list"], event_table.sniff_list, event_table.read_list, _LENGTH),
     _module("calendar", icalendar, _LENGTH),

@@ -298,17 +298,10 @@ def _health(source: DataFile) -> Iterator[bytes]:
 
 
 def _zip_names(source: DataFile) -> list[str]:
-    """Return the names of the files in a ZIP archive; none if it is damaged."""
-    _check_directory(source)
-    try:
-        with zipfile.ZipFile(source.path) as archive:
-            return archive.namelist()
-    except (zipfile.BadZipFile, OSError, ValueError, NotImplementedError):
-        return []  # unpacking raises the error
+    """Return the names of the files in a ZIP archive; none if it is damaged.
 
-
-def _check_directory(source: DataFile) -> None:
-    """Raise InputError for an archive whose directory alone would take much memory."""
+    InputError: the directory of the archive alone would take much memory.
+    """
     with open(source.path, "rb") as stream:
         stream.seek(max(0, source.size - 65_536 - 22))
         tail = stream.read(65_536 + 22)
@@ -319,6 +312,11 @@ def _check_directory(source: DataFile) -> None:
             f"{source.where}: a ZIP archive of too many files (their list has {size} bytes); "
             "unpack it and name one of them"
         )
+    try:
+        with zipfile.ZipFile(source.path) as archive:
+            return archive.namelist()
+    except (zipfile.BadZipFile, OSError, ValueError, NotImplementedError):
+        return []  # unpacking raises the error
 
 
 _READERS: dict[str, Callable[[DataFile], Iterator[bytes]]] = {

@@ -125,9 +125,7 @@ def read(source: DataFile, options: LoadOptions) -> Timeline:
     Takes the options `duration_s`, and the columns `time`, `kind` and `label`.
     """
     table = open_table(source)
-    if table is not None:
-        return _read(table, source.stem, options)
-    return _read_chapters(source, options)
+    return _read_chapters(source, options) if table is None else _read(table, source.stem, options)
 
 
 def _read(table: Table, title: str, options: LoadOptions) -> Timeline:
@@ -241,8 +239,9 @@ class _Reader:
                 if np.isnan(second):
                     self.timeless += 1
                     continue
+                found = (None if c is None else cells[c][i] for c in text_columns)
                 kind, label, weight, id_, side = (
-                    "" if c is None else _cell_text(cells[c][i]) for c in text_columns
+                    "" if is_missing(cell) else " ".join(str(cell).split()) for cell in found
                 )
                 row = CellLocation(chunk.number(i), word=self.table.row_word)
                 strength = _weight(weight, replace(row, column="weight")) if weight else 1.0
@@ -266,10 +265,6 @@ class _Reader:
         return [None if np.isnan(end) else float(end) for end in found]
 
 
-def _cell_text(cell: Any) -> str:
-    return "" if is_missing(cell) else " ".join(str(cell).split())
-
-
 def _weight(text: str, location: CellLocation) -> float:
     number = parse(text, ".")
     if number is None:
@@ -286,9 +281,8 @@ def sniff_list(source: DataFile) -> bool:
     Tables with other columns of times, or with columns selected by options, are read by `read`.
     """
     options = source.options
-    if source.head_text is None or source.looks_like_json:
-        return False
-    if options.time or options.kind or options.label:
+    requested = options.time or options.kind or options.label
+    if source.head_text is None or source.looks_like_json or requested:
         return False
     dialect = header_dialect(source.head_text, FIELDS)
     names = dialect.header if dialect is not None else ()
@@ -299,8 +293,7 @@ def sniff_list(source: DataFile) -> bool:
 
 def read_list(source: DataFile, options: LoadOptions) -> Timeline:
     """Read an event list; the option `duration_s` replaces the duration in the file."""
-    text = source.text  # its errors contain the path
-    return decode(text, source.stem, options.duration_s)
+    return decode(source.text, source.stem, options.duration_s)
 
 
 def decode(text: str, default_title: str = "", duration_s: float | None = None) -> Timeline:

@@ -47,6 +47,7 @@ from overview_dsp.data.readers.football.match_timeline import (
 )
 from overview_dsp.data.readers.football.minutes import (
     ENDS,
+    MIDDLE_S,
     Clock,
     Minute,
     check_minute,
@@ -77,7 +78,6 @@ STOPPAGE_NOTE = (
     "minute of stoppage time"
 )
 
-_MIDDLE_S = 30.0
 _ROWS_CHECKED = 50
 _PERIOD_KINDS = ("period", "half_end", "match_end")  # other tables have starts and ends, too
 _NOT_SPECIFIC = ("", *_PERIOD_KINDS)
@@ -200,7 +200,7 @@ def decode(text: str, match: str | None = None, default_title: str = "") -> Time
     minutes = [minute for _, minute, _, _ in entries]
     if goals_only:
         clock = Clock.from_minutes(
-            minutes, extra_time=any(m.base > 90 for m in minutes) or None, back_s=_MIDDLE_S
+            minutes, extra_time=any(m.base > 90 for m in minutes) or None, back_s=MIDDLE_S
         )
         provenance = PROVENANCE_GOALS
     else:

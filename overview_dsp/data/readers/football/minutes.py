@@ -22,7 +22,9 @@ ENDS = {1: 45, 2: 90, 3: 105, 4: 120}
 """Minute of the match clock at the end of each period, without stoppage time."""
 
 MAX_MINUTE = 150
-_MIDDLE_S = 30.0
+MIDDLE_S = 30.0
+"""Time from the middle of a minute to its end, s."""
+
 MAX_ADDED = 60
 _RANGE = f"0 to {MAX_MINUTE}, such as 38 or 90+3"
 
@@ -138,7 +140,7 @@ class Clock:
             nominal = ENDS[period] - (STARTS[period] if restarts else 0)
             if is_whole and minute.added is None and minute.base == nominal:
                 continue  # the nominal end, not the time of the whistle
-            length_s = clock._seconds(minute, period) - (_MIDDLE_S if is_whole else 0.0)
+            length_s = clock._seconds(minute, period) - (MIDDLE_S if is_whole else 0.0)
             if length_s > 0.0:
                 lengths[period] = length_s
         begins, _ = concatenate_periods(lengths)

@@ -49,7 +49,13 @@ from overview_dsp.data.readers.football.match_timeline import (
     select_match,
     short_name,
 )
-from overview_dsp.data.readers.football.minutes import Clock, Minute, check_minute, parse_minute
+from overview_dsp.data.readers.football.minutes import (
+    MIDDLE_S,
+    Clock,
+    Minute,
+    check_minute,
+    parse_minute,
+)
 from overview_dsp.data.timeline.model import Timeline
 from overview_dsp.errors import InputError
 
@@ -62,7 +68,6 @@ STOPPAGE_NOTE = (
     "stoppage time"
 )
 
-_MIDDLE_S = 30.0
 _MAX_LINE_LENGTH = 400
 _SCORE = (
     r"(?:(?P<pen>\d{1,2}-\d{1,2})\s*pen\.?,?\s+)?(?P<score>\d{1,2}-\d{1,2})(?P<aet>\s*a\.?e\.?t\.?)?"
@@ -207,7 +212,7 @@ def _timeline(match: _Match, competition: str, default_title: str) -> Timeline:
         [minute for _, minute, _, _ in goals],
         # in older files the result after extra time may be the only one
         extra_time=extra or any(m.added is None and m.base > 90 for _, m, _, _ in goals),
-        back_s=_MIDDLE_S,
+        back_s=MIDDLE_S,
     )
     match_events = [
         MatchEvent(

@@ -27,7 +27,7 @@ from overview_dsp.data.readers.football.match_timeline import (
     select_match,
     short_name,
 )
-from overview_dsp.data.readers.football.minutes import Clock, Minute, check_minute
+from overview_dsp.data.readers.football.minutes import MIDDLE_S, Clock, Minute, check_minute
 from overview_dsp.data.timeline.event import GOALS, WITHDRAWN_GOAL
 from overview_dsp.data.timeline.model import Timeline
 from overview_dsp.errors import InputError, printable, quoted
@@ -42,7 +42,6 @@ _EXTRA_TIME = frozenset(["AET", "PEN", "ET", "BT", "P", "EXTRA_TIME", "PENALTY_S
 _WITHDRAWN = ("goal cancelled", "goal disallowed")
 _REVIEW_MINUTES = 6  # maximum time from a goal until it is withdrawn
 _REPEATED_MINUTES = 2  # maximum difference between two entries of one goal
-_MIDDLE_S = 30.0
 FULL_TIME = 90
 
 Pair = tuple[int, int]
@@ -178,7 +177,7 @@ def _timeline(match: _Match) -> Timeline:
     rows, notes = _without_repeats(match)
     known = [] if match.until is None else [match.until]
     clock = Clock.from_minutes(
-        [*(row.minute for row in rows), *known], extra_time=match.extra_time, back_s=_MIDDLE_S
+        [*(row.minute for row in rows), *known], extra_time=match.extra_time, back_s=MIDDLE_S
     )
     events = [
         MatchEvent(

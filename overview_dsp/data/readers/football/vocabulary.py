@@ -110,7 +110,8 @@ def meaning(kind: str, details: str, *, own: bool, penalty: bool) -> tuple[str, 
     if re.match(r"fouls?\b|hand ?ball|free kick conceded", kind) or has("fouled", kind):
         suffered = has("suffered", both) or details == "successful"
         return ("", "suffered") if suffered else ("foul", "")
-    return _period_kind(kind, both), ""
+    ends = (name for text in (kind, both) for name in ("half_end", "match_end") if has(name, text))
+    return next(ends, "period" if has("period", kind) else ""), ""
 
 
 def _card(kind: str, details: str) -> tuple[str, str] | None:
@@ -131,26 +132,12 @@ def _is_goal(kind: str, details: str, is_penalty: bool) -> bool:
     if "goal kick" in kind:
         return False
     bare = " ".join(re.sub(r"\b(?:penalty|pen|pk|p|from the spot|kick)\b", " ", kind).split())
-    if _PATTERNS["goal"].fullmatch(bare) or _PATTERNS["goal"].fullmatch(kind):
+    if any(map(_PATTERNS["goal"].fullmatch, (bare, kind))) or kind.startswith("goal scored "):
         return True
-    if kind.startswith("goal scored ") or (
-        _PATTERNS["scores"].match(kind) and not has("missed", kind)
-    ):
+    if _PATTERNS["scores"].match(kind) and not has("missed", kind):
         return True
-    said = details if not kind.startswith("penalty kick ") else f"{kind} {details}"
-    if is_penalty and has("converted", said):
-        return True
-    if is_penalty and (
-        _PATTERNS["penalty"].fullmatch(kind) or bare in ("scored", "converted", "in")
-    ):
+    outcome = details if not kind.startswith("penalty kick ") else f"{kind} {details}"
+    is_alone = _PATTERNS["penalty"].fullmatch(kind) or bare in ("scored", "converted", "in")
+    if is_penalty and (has("converted", outcome) or is_alone):
         return True
     return has("shot", kind) and bool(re.search(r"\bgoal\b|\bscored\b", details))
-
-
-def _period_kind(kind: str, both: str) -> str:
-    for text in (kind, both):
-        if has("half_end", text):
-            return "half_end"
-        if has("match_end", text):
-            return "match_end"
-    return "period" if has("period", kind) else ""

@@ -174,9 +174,7 @@ def _best(columns: Columns, head: Head) -> tuple[int, Format] | None:
         if fixed and _clock_column(columns, head, i, form)[0] is None:
             continue
         name = column.plain
-        named = name in NAMES["series_times"] or any(
-            word in name for word in NAMES["series_time_parts"]
-        )
+        named = _is_named(name, NAMES["series_times"])
         dated = form.calendar and form.name != "year"
         if dated and form.name.startswith("epoch") and not named:
             dated = i == 0  # large numbers elsewhere are volumes and the like
@@ -240,7 +238,8 @@ def _unmarked_clock(column: Column, cells: Sequence[Any], days: list[str]) -> in
     factor = 1 if is_hour else 100
     if not all(t.isdigit() and len(t) <= 4 and _is_day_clock(_marked(t, factor)) for t in texts):
         return 0
-    whole_days = all(_is_day(day) for day in days)
+    formats = [name for name in _DAYS if "or" not in name]
+    whole_days = all(any(moment(f"{day} 00:00", name) for name in formats) for day in days)
     # a number beside each day may be a duration: hours of a day come in several rows
     has_clocks = len(set(days)) < len(days) if is_hour else any(int(text) >= 100 for text in texts)
     return factor if whole_days and has_clocks else 0
@@ -250,10 +249,6 @@ def clock_note(columns: Columns, date: int, clock: int) -> str:
     """Return the note about a column of clocks without marks."""
     names = " and ".join(quoted(columns[i].header) for i in (date, clock))
     return f"times are made of columns {names}"
-
-
-def _is_day(text: str) -> bool:
-    return any(moment(f"{text} 00:00", name) is not None for name in _DAYS if "or" not in name)
 
 
 def _marked(cell: Any, factor: int) -> str:
@@ -274,16 +269,12 @@ def _offset_column(columns: Columns, head: Head, date: int, form: Format) -> int
 
 
 def _all(cells: Sequence[Any], fits: Callable[[str], object]) -> bool:
-    texts = _texts(cells)
+    texts = [cell.strip() for cell in cells if isinstance(cell, str) and not is_missing(cell)]
     return bool(texts) and all(map(fits, texts))
 
 
 def _is_day_clock(text: str) -> bool:
     return moment(f"2000-01-01 {text}", "iso") is not None
-
-
-def _texts(cells: Sequence[Any]) -> list[str]:
-    return [cell.strip() for cell in cells if isinstance(cell, str) and not is_missing(cell)]
 
 
 def _year_month_day(columns: Columns, head: Head) -> TimeChoice | None:
@@ -390,11 +381,13 @@ def _is_constant(cells: Sequence[Any], zero: bool = True) -> bool:
 def _is_time_too(column: Column, cells: Sequence[Any]) -> bool:
     """Return whether a column has times too, and so no values: `date` in addition to `unix`."""
     form = detected_format(column, cells)
-    name = column.plain
-    named = name in NAMES["series_times"][1:8] or any(
-        word in name for word in NAMES["series_time_parts"]
-    )
-    return form is not None and form.calendar and named and name != ""
+    named = _is_named(column.plain, NAMES["series_times"][1:8])
+    return form is not None and form.calendar and named and column.plain != ""
+
+
+def _is_named(name: str, names: Sequence[str]) -> bool:
+    """Return whether a column is called one of `names`, or by a part of a name of times."""
+    return name in names or any(word in name for word in NAMES["series_time_parts"])
 
 
 def _is_counter(column: Column, cells: Sequence[Any]) -> bool:
