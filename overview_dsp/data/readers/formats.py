@@ -162,10 +162,10 @@ def _format_of(reader: Any, package: str, options: frozenset[str]) -> Format:
             _warn(package, f"failed to look at a file ({_error_text(error)})")
             return False
 
-    def read(source: DataFile, options_set: LoadOptions) -> Timeline:
-        taken = {name: getattr(options_set, name) for name in options & options_set.names_set()}
-        with _one_line(source, package):
-            timeline = reader.read(str(source.path), **taken)
+    def read(source: DataFile, chosen: LoadOptions) -> Timeline:
+        arguments = {name: getattr(chosen, name) for name in options & chosen.names_set()}
+        with _reader_errors(source, package):
+            timeline = reader.read(str(source.path), **arguments)
         if not isinstance(timeline, Timeline):
             raise InputError(
                 f"{source.where}: the reader of {package} gave a {type(timeline).__name__}, not a "
@@ -174,15 +174,16 @@ def _format_of(reader: Any, package: str, options: frozenset[str]) -> Format:
         return timeline
 
     def matches(source: DataFile) -> list[str]:
-        with _one_line(source, package):
+        with _reader_errors(source, package):
             return [str(line) for line in reader.matches(str(source.path))]
 
-    several = getattr(reader, "matches", None) is not None
-    return Format(str(reader.name), sniff, read, options, matches if several else None)
+    has_matches = getattr(reader, "matches", None) is not None
+    return Format(str(reader.name), sniff, read, options, matches if has_matches else None)
 
 
 @contextlib.contextmanager
-def _one_line(source: DataFile, package: str) -> Iterator[None]:
+def _reader_errors(source: DataFile, package: str) -> Iterator[None]:
+    """Let each error of a package's reader become an InputError that begins with the file."""
     try:
         yield
     except InputError as error:

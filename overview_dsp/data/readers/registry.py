@@ -224,7 +224,7 @@ def load_timelines(data: TimelineData, group: str, **options: Any) -> dict[str, 
     if not (isinstance(data, str | os.PathLike) or is_content(data)):
         _require_table(data, "not a path or data")
         table = table_of(data)
-        return _each(table, group, lambda one: _of_memory(table, None, one), chosen)
+        return _by_group(table, group, lambda one: _of_memory(table, None, one), chosen)
     with opened(data, chosen, "") as source:
         candidate = _format_of(source)
         if candidate.open_table is None:
@@ -239,12 +239,12 @@ def load_timelines(data: TimelineData, group: str, **options: Any) -> dict[str, 
             with _located(source):
                 return candidate.read(source, one)
 
-        return _each(table, group, read, chosen)
+        return _by_group(table, group, read, chosen)
 
 
 @contextlib.contextmanager
 def _located(source: DataFile) -> Iterator[None]:
-    """Let errors begin with the file, or with another one of the same data."""
+    """Prefix errors with the file, unless they name it or another one of the same record."""
     try:
         yield
     except InputError as error:
@@ -253,9 +253,10 @@ def _located(source: DataFile) -> Iterator[None]:
             raise
 
 
-def _each(
+def _by_group(
     table: Table, group: str, read: Callable[[LoadOptions], Timeline], options: LoadOptions
 ) -> dict[str, Timeline]:
+    """Read one timeline per text of the columns `group`; a warning counts those that failed."""
     found: dict[str, Timeline] = {}
     failed: list[tuple[str, InputError]] = []
     for name, texts in groups_of(table, group).items():
@@ -454,12 +455,10 @@ def format_hint(source: DataFile) -> str:
         return "nearest: a log; its lines are counted with map='count' (--map count)"
     found = _json_table(source) if source.looks_like_json else _text_table(source)
     if found is None:
-        shape = (
-            "a list of records with time and event"
-            if source.looks_like_json
-            else ("a first row that names the columns, such as time,event")
-        )
-        return f"{_EVENT_LIST}; it lacks {shape}"
+        lacking = "a first row that names the columns, such as time,event"
+        if source.looks_like_json:
+            lacking = "a list of records with time and event"
+        return f"{_EVENT_LIST}; it lacks {lacking}"
     return _lacking(*found)
 
 
@@ -490,8 +489,9 @@ def _lacking(columns: Columns, head: Head) -> str:
     named = named_time_column(columns)
     timed = named
     for i, column in enumerate(columns):
-        if timed is None and head[i] and not looks_numeric(head[i]):
-            timed = i if detected_format(column, head[i]) is not None else None
+        is_text = head[i] and not looks_numeric(head[i])
+        if timed is None and is_text and detected_format(column, head[i]) is not None:
+            timed = i
     numbers = [i for i in range(len(columns)) if i != timed and looks_numeric(head[i])]
     words = [i for i in range(len(columns)) if i != timed and is_wordy(head[i])]
     kind, label = kind_and_label_columns(columns)

@@ -85,7 +85,7 @@ This is 27 hours of stereo at 44.1 kHz. A small FLAC file of silence may contain
 MAX_SAMPLES_PER_S = 4_000_000
 """Maximum samples per second, all channels together: 80 channels at 48 kHz."""
 
-_UNMARKED = frozenset(
+_SUFFIXES_WITHOUT_SIGNATURE = frozenset(
     {"htk", "mpc2k", "sds", "sd2", "sf", "ircam", "xi", "wve", "paf", "pvf", "avr"}
 )
 _TRUNCATED = re.compile(r"^\s*(\S[^:\n]*?)\s*: (\d+) \(should be (\d+)\)", re.MULTILINE)
@@ -160,7 +160,7 @@ def is_recording(source: DataFile) -> bool:
         return True
     # formats without a signature, by their suffix: libsndfile would search any other file for MPEG
     # frames and print an error
-    if source.path.suffix[1:].lower() not in _UNMARKED:
+    if source.path.suffix[1:].lower() not in _SUFFIXES_WITHOUT_SIGNATURE:
         return False
     import soundfile
 
@@ -237,10 +237,10 @@ def _recording_of(source: DataFile, file: Any, max_mb: float | None) -> Recordin
         layout = layout_of(channels, file.subtype in ("VORBIS", "OPUS"))
         weights = weights_of(layout) if layout else (1.0,) * channels
         if channels > 2:
-            speakers = (
-                " ".join(layout) if layout else "equally loud, as there is no standard layout"
+            unknown = "equally loud, as there is no standard layout"
+            notes.append(
+                f"the {channels} channels were read as {' '.join(layout or ()) or unknown}"
             )
-            notes.append(f"the {channels} channels were read as {speakers}")
     if not any(weights):
         weights = (1.0,) * channels  # a single LFE channel would have no loudness
     kind = f"{file.format} {file.subtype}, {_channels(channels)}, {rate} Hz"

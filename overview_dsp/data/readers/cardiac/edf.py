@@ -41,13 +41,13 @@ def read(source: DataFile, options: LoadOptions) -> Timeline:
     """Read a signal (takes `value`, `map`); InputError for a damaged file or an unknown signal."""
     edfio = require_package("edfio", "reading an EDF file", "edf")
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # its damage is an error here
+        warnings.simplefilter("ignore")  # damage is an error below
         if source.head[192:197] == b"EDF+D":
             raise InputError("an EDF+D recording with gaps; convert it to EDF+C")
         with library_errors(lambda error: f"a damaged EDF file ({error}); get it again"):
             recording = edfio.read_edf(source.path)
             names = list(recording.labels)
-            annotations = [(one.onset, one.text) for one in recording.annotations]
+            annotations = [(note.onset, note.text) for note in recording.annotations]
             if not names and annotations:
                 # a file without signals, such as a hypnogram
                 duration_s = max([recording.duration, *(onset for onset, _ in annotations)])
@@ -77,8 +77,8 @@ def read(source: DataFile, options: LoadOptions) -> Timeline:
         header = f"{name} ({unit})" if unit else name
         table = replace(array_table([header], [values]), kind="sampled EDF")
         timeline = series_timeline(table, replace(options, value=None, rate=rate), source.stem)
-        both = sorted((*timeline.events, *events), key=lambda event: event.time_s)
-        return replace(timeline, events=tuple(both))
+        merged = sorted((*timeline.events, *events), key=lambda event: event.time_s)
+        return replace(timeline, events=tuple(merged))
 
 
 def _events(annotations: list[tuple[float, str]], duration_s: float) -> list[Event]:
@@ -90,7 +90,7 @@ def _events(annotations: list[tuple[float, str]], duration_s: float) -> list[Eve
 
 
 def _index(names: list[str], value: str | None) -> int:
-    """Return the signal that the option names, the only one, or the best of a heart."""
+    """Return the signal that the option names, the only one, or the one that shows a heart best."""
     chosen = best_signal(names) if value is None else index_of(names, value)
     if chosen is None or (value is None and len(names) != 1 and not is_heart(names[chosen])):
         listed = ", ".join(map(quoted, names[:12]))

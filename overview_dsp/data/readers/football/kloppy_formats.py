@@ -180,7 +180,9 @@ def _timeline(dataset: Any, format_name: str, default_title: str) -> Timeline:
     match_events: list[MatchEvent] = []
     for period in begins:
         for period_s, event in by_period[period]:
-            time_s, player, team = begins[period] + period_s, _player(event), _team(event)
+            time_s, player = begins[period] + period_s, _player(event)
+            ground = getattr(getattr(event.team, "ground", None), "name", "")
+            team = {"HOME": 0, "AWAY": 1}.get(ground)
             kinds = list(_classify(event))
             if not kinds and event.event_type.name in _BALL_TOUCHES:
                 kinds = [(TOUCH, _BALL_TOUCHES[event.event_type.name])]
@@ -261,20 +263,14 @@ def _result(event: Any) -> str:
 
 def _player(event: Any) -> str:
     player = event.player
-    if player is None:
-        return ""
-    return short_name(_name(player.last_name or player.name or "", "player"))
+    name = player and (player.last_name or player.name)
+    return short_name(_name(name or "", "player"))
 
 
 def _name(value: object, of: str) -> str:
     if not isinstance(value, str):
         raise InputError(f"the name of a {of} is {quoted(value)}, not text; correct it in the file")
     return value
-
-
-def _team(event: Any) -> int | None:
-    ground = getattr(getattr(event.team, "ground", None), "name", "")
-    return {"HOME": 0, "AWAY": 1}.get(ground)
 
 
 def _score(score: Any) -> tuple[int, int] | None:

@@ -25,7 +25,7 @@ _ENGLISH = {word: term for term, words in TRANSLATIONS.items() for word in words
 _WORDS = "|".join(word.replace(" ", r"[\W_]+") for word in sorted(_ENGLISH, key=len, reverse=True))
 _FOREIGN = re.compile(rf"[\W_]*(?P<term>{_WORDS})(?!\w)")
 _LONG = 7
-"""Letters of a term that needs no such mark; none is a family name."""
+"""Length of a term that needs no mark after it: none so long is a family name."""
 
 _LONG_O = re.compile("o{4,}")
 _ONLY_ALONE = ("goal", "gol contra")
@@ -41,7 +41,7 @@ def has(name: str, text: str) -> bool:
 def normalize_terms(text: str, is_detail: bool = False) -> str:
     """Return text for comparison, with `SavedShot` as `saved shot`, beginning in English terms.
 
-    Of a detail only the whole text is a term in another language.
+    In a detail, a term in another language is translated only if it is the whole text.
     """
     plain = _PATTERNS["sees"].sub("", _LONG_O.sub("ooo", plain_letters(_CAMEL.sub(" ", text))))
     words = normalize_text(plain)
@@ -63,7 +63,7 @@ def normalize_terms(text: str, is_detail: bool = False) -> str:
 
 
 def _is_call(found: re.Match[str] | None) -> bool:
-    """Return whether a mark or a preposition follows a term."""
+    """Return whether a term begins a call ("Gol! ..."): a mark or a preposition follows it."""
     if found is None:
         return False
     called = _PATTERNS["called"].match(found.string, found.end())

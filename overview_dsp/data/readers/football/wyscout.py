@@ -213,7 +213,7 @@ def _is_attempt(event: _Event) -> bool:
 
 
 def _single_goals(match_events: Sequence[MatchEvent], notes: list[str]) -> list[MatchEvent]:
-    """Return the events without goals up to `SAME_GOAL_S` after one of the same team."""
+    """Return the events, without each goal up to `SAME_GOAL_S` after another of its team."""
     result: list[MatchEvent] = []
     last: dict[int | None, MatchEvent] = {}
     for event in match_events:

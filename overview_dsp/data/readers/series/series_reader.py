@@ -25,7 +25,7 @@ OPTIONS = frozenset({"value", "time", "map", "rate", "match", "max_mb"})
 MAX_MB = 8192.0
 """Maximum size of a table, MB (2**20 bytes), unless `max_mb` is set."""
 
-_TRACKS = ("GPX", "TCX", "FIT")
+_TRACKS = ("GPX", "TCX", "FIT")  # kinds of tables with positions
 
 
 def reading(open_table: Callable[[DataFile], Table]) -> Callable[[DataFile, LoadOptions], Timeline]:
@@ -50,10 +50,10 @@ def series_timeline(table: Table, options: LoadOptions, title: str = "") -> Time
     InputError: an ambiguous choice of columns, a wrong cell (with its row and column), too few
     rows.
     """
-    one = selected_group(table, options)
-    if one is not None:
-        table = one
-        texts = [text for text in one.texts.values() if text is not None]
+    group = selected_group(table, options)
+    if group is not None:
+        table = group
+        texts = [text for text in group.texts.values() if text is not None]
         title = ", ".join((title, *texts)) if title else title
     # a column may be called `count`
     if options.counts and (options.map or "").strip().lower() not in headers_of(table.columns):

@@ -8,6 +8,7 @@ plain, rows are read line by line.
 from __future__ import annotations
 
 import codecs
+import contextlib
 import csv
 import io
 import itertools
@@ -159,13 +160,16 @@ class DelimitedTable(Table):
 
     def _rows(self, columns: Sequence[int], begin: int, block: int = 0) -> Iterator[Chunk]:
         """Read all lines from line `begin` on, with the csv module."""
-        dialect = self._dialect
-        above = dialect.first - 1
-        found = self.comments
-        lines = Lines(self._source, dialect.encoding, dialect.comments, above, found=found)
-        width = len(dialect.header)
+        dialect, width = self._dialect, len(self._dialect.header)
+        lines = Lines(
+            self._source,
+            dialect.encoding,
+            dialect.comments,
+            above=dialect.first - 1,
+            found=self.comments,
+        )
         block = block or min(CHUNK_ROWS, max(CHUNK_CELLS // width, 1))
-        for first, numbers, rows in Rows(lines, dialect.separator, block):
+        for first, numbers, rows in _row_blocks(lines, dialect.separator, block):
             if first < begin:
                 skip = begin - first if numbers is None else sum(n < begin for n in numbers)
                 rows = rows[skip:]
@@ -273,57 +277,49 @@ class Lines:
         yield b""
 
 
-@dataclass
-class Rows:
-    """Iterator over blocks of rows: (line of the first row, line numbers or None, rows).
+def _row_blocks(
+    lines: Lines, separator: str | None, block: int
+) -> Iterator[tuple[int, list[int] | None, list[list[Any]]]]:
+    """Yield blocks of rows: (line of the first row, line numbers or None, rows).
 
     Line numbers are None if each row is one line. Blank lines are empty rows.
     """
-
-    lines: Lines
-    separator: str | None
-    block: int
-
-    def __iter__(self) -> Iterator[tuple[int, list[int] | None, list[list[Any]]]]:
-        first = 1
-        if self.separator is None:
-            lines = iter(self.lines)
-            while rows := [line.split() for line in itertools.islice(lines, self.block)]:
-                yield first, None, rows
-                first += len(rows)
-            return
-        reader = self._reader(self.separator)
-        while True:
-            try:
-                rows = list(itertools.islice(reader, self.block))
-            except csv.Error as error:
-                broken = CellLocation(self._broken_row())
-                raise broken.fault(f"{error}; check the quotes from there on") from error
-            if not rows:
-                return
-            numbers = None
-            if reader.line_num - first + 1 != len(rows):
-                heights = (1 + sum(map(_line_ends, row)) for row in rows[:-1])
-                numbers = list(itertools.accumulate(heights, initial=first))
-            yield first, numbers, rows
-            first = reader.line_num + 1
-
-    def _reader(self, separator: str) -> Any:
-        return csv.reader(
-            self.lines, delimiter=separator, strict=True, skipinitialspace=separator != "\t"
-        )
-
-    def _broken_row(self) -> int:
-        """Read again, row by row, and return the line where the broken row begins."""
-        assert self.separator is not None
-        reader = self._reader(self.separator)
-        first = 1
+    first = 1
+    if separator is None:
+        words = map(str.split, lines)
+        while rows := list(itertools.islice(words, block)):
+            yield first, None, rows
+            first += len(rows)
+        return
+    options: Any = {
+        "delimiter": separator,
+        "strict": True,
+        "skipinitialspace": separator != "\t",
+    }
+    reader = csv.reader(lines, **options)
+    while True:
         try:
-            for _ in reader:
-                first = reader.line_num + 1
-        except csv.Error:
-            pass
-        return first
+            rows = list(itertools.islice(reader, block))
+        except csv.Error as error:
+            broken = CellLocation(_broken_row(csv.reader(lines, **options)))
+            raise broken.fault(f"{error}; check the quotes from there on") from error
+        if not rows:
+            return
+        numbers = None
+        if reader.line_num - first + 1 != len(rows):
+            heights = (1 + sum(map(_line_ends, row)) for row in rows[:-1])
+            numbers = list(itertools.accumulate(heights, initial=first))
+        yield first, numbers, rows
+        first = reader.line_num + 1
+
+
+def _broken_row(reader: Any) -> int:
+    """Read again, row by row, and return the line where the broken row begins."""
+    first = 1
+    with contextlib.suppress(csv.Error):
+        for _ in reader:
+            first = reader.line_num + 1
+    return first
 
 
 def _has_comment(block: str, marks: tuple[str, ...]) -> bool:

@@ -53,7 +53,7 @@ MemoryFile = bytes | bytearray | memoryview | IO[bytes] | IO[str]
 TimelineData = str | os.PathLike[str] | MemoryFile | TableData
 """Types that `load_timeline` accepts, in addition to Timeline."""
 
-_SAMPLE = 50
+_SAMPLE = 50  # entries of a list whose types are checked
 _MAX_CHANNELS = 8
 _OF_DAY = "hh:mm"
 """Unit of times of day."""
@@ -114,7 +114,7 @@ def samples_of(data: Any) -> FloatArray | None:
     if bits == 64:
         bits = 16 if np.abs(samples).max() <= 2.0**15 else 32
     full = 2.0 ** (bits - 1)
-    return samples / full - (array.dtype.kind == "u")
+    return samples / full - (array.dtype.kind == "u")  # half of the range of unsigned numbers is 0
 
 
 def csv_text(table: ColumnTable, rows: int) -> str:
@@ -161,7 +161,9 @@ def _columns(data: Any) -> tuple[str, list[tuple[str, InputColumn]]]:
     if is_frame(data):
         return columns_of(data)
     if isinstance(data, Mapping):
-        return "Python", _of_mapping(data)
+        if all(_is_column(value) for value in data.values()):
+            return "Python", [(str(name), _columns(data[name])[1][0][1]) for name in data]
+        return "Python", [("time", of_list(list(data))), ("value", of_list(list(data.values())))]
     if isinstance(data, np.ndarray):
         return "NumPy", _of_array(data)
     if isinstance(data, Sequence) and not isinstance(data, str | bytes):
@@ -180,12 +182,6 @@ def _of_array(data: np.ndarray[Any, Any]) -> list[tuple[str, InputColumn]]:
     raise InputError(
         f"an array of {data.ndim} dimensions; give one value per row, or one row per time"
     )
-
-
-def _of_mapping(data: Mapping[Any, Any]) -> list[tuple[str, InputColumn]]:
-    if all(_is_column(value) for value in data.values()):
-        return [(str(header), _columns(value)[1][0][1]) for header, value in data.items()]
-    return [("time", of_list(list(data))), ("value", of_list(list(data.values())))]
 
 
 def _is_column(value: Any) -> bool:
@@ -484,8 +480,8 @@ def _as_frame(library: str, data: Any) -> Any:
         return data
     named = data.to_dataset(name=data.name or "value") if hasattr(data, "to_dataset") else data
     named = named.reset_coords(drop=True)
-    bare = [dimension for dimension in named.dims if dimension not in named.indexes]
-    frame = named.to_dataframe().reset_index(level=bare, drop=True)
+    unlabelled = [dimension for dimension in named.dims if dimension not in named.indexes]
+    frame = named.to_dataframe().reset_index(level=unlabelled, drop=True)
     frame.attrs = {"units": {name: _unit_in(one.attrs) for name, one in named.items()}}
     return frame
 

@@ -54,12 +54,11 @@ CLOCKS = ("clock", "hhmm")
 """Clock formats: time in a recording, and time of day."""
 
 _LARGEST = 1e25
-_LONGEST_NUMBER = 40
-_LONGEST_DATE = PAD
-"""Longest texts that are read as columns."""
+_LONGEST_NUMBER, _LONGEST_DATE = 40, PAD
+"""Maximum lengths of a number and of a date that are converted as arrays, in characters."""
 
 _MOST_SHAPES = 200
-"""Most texts that differ in more than their digits: names of months, days of the week."""
+"""Maximum number of texts per chunk that differ in more than digits: in months, or weekdays."""
 
 _YEARS = (1500.0, 2200.0)
 _DIGITS = re.compile(r"[+-]?\d{1,19}", re.ASCII)
@@ -134,8 +133,8 @@ def detected_format(column: Column, cells: Sequence[Any]) -> Format | None:
     texts = [cell.strip() for cell in known if isinstance(cell, str)]
     if not most(len(texts)):
         return None
-    ways = [name for name in FORMS if name != "yyyymm"]
-    fits = {name: sum(moment(text, name) is not None for text in texts) for name in ways}
+    forms = [name for name in FORMS if name != "yyyymm"]
+    fits = {name: sum(moment(text, name) is not None for text in texts) for name in forms}
     best = max(fits, key=fits.__getitem__)
     if most(fits[best]):
         if not fits["dmy"] == fits["mdy"] == fits[best]:
@@ -151,19 +150,18 @@ def _clock_format(column: Column, texts: list[str], most: Callable[[int], bool])
     has_am_pm = most(sum(text[-1:] in "mM." for text in texts))
     running = most(sum(clock_s(text) is not None for text in texts))
     if of_day and (has_am_pm or _names_time_of_day(column)):
-        form, other, reads = "hhmm", "clock", "minutes:seconds"
+        form, as_read, other, as_other = "hhmm", "hours:minutes", "clock", "minutes:seconds"
     elif running:
-        form, other, reads = "clock", "hhmm", "hours:minutes"
+        form, as_read, other, as_other = "clock", "minutes:seconds", "hhmm", "hours:minutes"
     else:
         return None
     if not (of_day and running) or any(text.count(":") > 1 for text in texts):
         return Format(form)
     example = quoted(texts[0])
-    as_read = "hours:minutes" if form == "hhmm" else "minutes:seconds"
     return Format(
         form,
         f"times such as {example} are read as {as_read}; "
-        f"time='{column.header}:{other}' (--time-column) reads them as {reads}",
+        f"time='{column.header}:{other}' (--time-column) reads them as {as_other}",
     )
 
 
@@ -196,7 +194,7 @@ def settle_order(texts: Iterator[tuple[int, str]]) -> tuple[str, int | None]:
                 order[name][0] &= read.ns > last[name]
                 order[name][1] &= read.ns < last[name]
             last[name] = read.ns
-    steady = [name for name, ways in order.items() if any(ways)]
+    steady = [name for name, directions in order.items() if any(directions)]
     return (steady[0], None) if moved and len(steady) == 1 else ("", None)
 
 
@@ -343,7 +341,9 @@ class TimeColumn:
         if fast is not None:
             return fast
         listed = as_list(cells)
-        return np.array([self._one(cell, i, locate) for i, cell in enumerate(listed)], np.float64)
+        return np.array(
+            [self._seconds_of(cell, i, locate) for i, cell in enumerate(listed)], np.float64
+        )
 
     def start(self, first_s: float) -> datetime | None:
         """Return the calendar moment `first_s` seconds after the anchor; None for plain time.
@@ -362,12 +362,12 @@ class TimeColumn:
             self.anchor_ns = ns
         return (ns - self.anchor_ns) / NS
 
-    def _one(self, cell: Any, i: int, locate: Callable[[int], CellLocation]) -> float:
+    def _seconds_of(self, cell: Any, i: int, locate: Callable[[int], CellLocation]) -> float:
         if is_missing(cell):
             return math.nan
-        name = self.format.name
         if isinstance(cell, np.datetime64):
             return float(self._of_datetimes(np.array([cell]), locate)[0])
+        name = self.format.name
         if name in FORMS:
             read = moment(as_text(cell), name)
             if read is None:
@@ -441,8 +441,7 @@ class TimeColumn:
         whole, rest = divmod(self.anchor_ns, step_ns)
         span = known.astype(np.int64)
         # only the difference has to fit an int64, and later a float
-        wide = abs(int(span.max()) - whole) >= 2**62 or abs(int(span.min()) - whole) >= 2**62
-        if wide:
+        if max(abs(int(span.max()) - whole), abs(int(span.min()) - whole)) >= 2**62:
             raise locate(0).error(cells[0], "or a later time lies outside the years 1 to 9999")
         # a division is exact to the last digit, a factor of 1e-9 isn't
         since = (
@@ -452,7 +451,7 @@ class TimeColumn:
         return seconds
 
     def _dates(self, cells: Cells) -> NDArray[Any] | None:
-        """Return texts as datetime64 in UTC, None if one needs the error or rule of `_one`.
+        """Return texts as datetime64 in UTC, None if a cell has to be read by `_seconds_of`.
 
         Texts that differ only in digits are read together.
         """
@@ -503,7 +502,7 @@ class TimeColumn:
         return np.where(known, at, np.iinfo(np.int64).min).astype(f"datetime64[{fine}]")
 
     def _numbers(self, cells: Cells) -> FloatArray | None:
-        """Return the seconds of numbers, None if one needs the error or rule of `_one`.
+        """Return the seconds of numbers, None if a cell has to be read by `_seconds_of`.
 
         Times since 1970 have to be whole numbers.
         """
