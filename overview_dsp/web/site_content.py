@@ -10,6 +10,7 @@ from collections.abc import Callable
 from functools import lru_cache, partial
 from typing import Any
 
+from overview_dsp.data.analysis.series_events import has_values
 from overview_dsp.data.timeline import Timeline
 from overview_dsp.design.presets.model import Preset
 from overview_dsp.signal.actuators.model import Actuator
@@ -17,7 +18,6 @@ from overview_dsp.signal.surface.build import build_surface
 from overview_dsp.signal.surface.model import Surface
 from overview_dsp.web.site_data import (
     fits_one_file,
-    has_values,
     points_json,
     site_windows,
     timeline_json,

@@ -48,6 +48,7 @@ from numpy.typing import NDArray
 
 from overview_dsp.arrays import FloatArray, IntArray
 from overview_dsp.data.analysis.series_events import KINDS as SERIES_KINDS
+from overview_dsp.data.analysis.series_events import has_values
 from overview_dsp.data.timeline import Intensity, Timeline
 from overview_dsp.data.timeline.gaps import in_gap
 from overview_dsp.data.timeline.ticks import KINDS as TICKS
@@ -60,17 +61,9 @@ from overview_dsp.signal.surface.model import Surface
 from overview_dsp.web.preset_data import KINDS, vibration_pattern
 
 MAX_POINTS = 16_384
-DERIVED_UNIT = "0..1"
-"""Part of the unit of a curve that a reader derived from events; such values aren't data."""
-
 _MAX_DIGITS = 4
 _SAMPLE_SIZE = 1000
 _CHUNK = 1 << 20
-
-
-def has_values(timeline: Timeline) -> bool:
-    """Return whether the curve's values are data in a unit."""
-    return timeline.intensity is not None and DERIVED_UNIT not in timeline.intensity.unit
 
 
 def fits_one_file(timeline: Timeline) -> bool:

@@ -32,6 +32,7 @@ from typing import Any
 
 import numpy as np
 
+from overview_dsp.data.analysis.series_events import has_values
 from overview_dsp.data.timeline import Timeline
 from overview_dsp.design.presets.model import Preset
 from overview_dsp.errors import InputError
@@ -42,7 +43,7 @@ from overview_dsp.signal.engine.engine import Engine
 from overview_dsp.signal.surface.build import build_surface
 from overview_dsp.signal.surface.model import Surface
 from overview_dsp.web.preset_data import parse_preset
-from overview_dsp.web.site_data import fits_one_file, has_values, points_json, window_json
+from overview_dsp.web.site_data import fits_one_file, points_json, window_json
 
 MIN_RATE, MAX_RATE = 8_000.0, 192_000.0
 """Range of sample rates of browsers, Hz."""

@@ -21,13 +21,14 @@ from collections import deque
 from collections.abc import Callable
 from pathlib import Path
 
+from overview_dsp.data.analysis.series_events import has_values
 from overview_dsp.data.feeds.live_timeline import LiveTimeline
 from overview_dsp.design.presets.model import Preset
 from overview_dsp.errors import OverviewError
 from overview_dsp.files.atomic import write_file
 from overview_dsp.web.live_data import LiveData
 from overview_dsp.web.site_content import RATES
-from overview_dsp.web.site_data import has_values, points_json
+from overview_dsp.web.site_data import points_json
 from overview_dsp.web.static_site import write_site
 
 INTERVAL_S = 2.0

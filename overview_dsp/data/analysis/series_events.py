@@ -50,6 +50,9 @@ KINDS = (
 )  # fmt: skip
 """All event kinds of series."""
 
+DERIVED_UNIT = "0..1"
+"""Part of the unit of a curve that a reader derived from events; such values aren't data."""
+
 TURNS = 8
 MOVES = 5
 LEAST_PROMINENCE = 0.1
@@ -65,6 +68,11 @@ MOST_SAMPLES = 2048
 """Maximum number of samples of a window; longer ones keep extremes of runs and largest steps."""
 
 _NONE = np.empty(0)
+
+
+def has_values(timeline: Timeline) -> bool:
+    """Return whether the curve's values are data in a unit."""
+    return timeline.intensity is not None and DERIVED_UNIT not in timeline.intensity.unit
 
 
 def value_text(value: float, unit: str = "") -> str:

@@ -22,7 +22,6 @@ from overview_dsp.units import HALF_TURN
 TICK_S = 0.005
 """Interval at which a touch is updated while no messages arrive."""
 
-
 Reader = MidiReader | OscReader
 """Converter of messages to movements and commands."""
 

@@ -244,8 +244,7 @@ class MotorInput(SensorInput):
             self._write_release()
             self.say_once(
                 f"no data from the motor for {1e3 * watchdog.SILENT_S:g} ms; torque off, disk "
-                "released "
-                "(further interruptions are only counted)"
+                "released (further interruptions are only counted)"
             )
         self._was_alive = self._loop.alive
         rate = self._loop.watchdog.hz

@@ -54,10 +54,10 @@ class EventClock:
     def observe(self, time_s: float, now: int) -> None:
         """Use the arrival of the sensor's `time_s` at the engine's sample `now`."""
         self._delays.append(now - time_s * self._rate)
-        order = sorted(self._delays)
+        delays = sorted(self._delays)
         longest = LONGEST_WAIT_S * self._rate
-        highest = min(order[len(order) // 2] + longest, order[0] + 2.0 * longest)
-        self._offset = min(_quantile(order, self._on_time_share), highest)
+        highest = min(delays[len(delays) // 2] + longest, delays[0] + 2.0 * longest)
+        self._offset = min(_quantile(delays, self._on_time_share), highest)
 
     def stamp(self, time_s: float, now: int) -> int:
         """Return the sample at which an event of the sensor's `time_s` applies; never decreases."""
@@ -70,8 +70,8 @@ class EventClock:
         """Wait of the latest events for their sample: median and 99th percentile, s."""
         if not self._waits:
             return 0.0, 0.0
-        order = sorted(self._waits)
-        return _quantile(order, 0.5), _quantile(order, 0.99)
+        waits = sorted(self._waits)
+        return _quantile(waits, 0.5), _quantile(waits, 0.99)
 
 
 MAX_SLEW = 1e-4
@@ -302,7 +302,7 @@ class ThreadedInput(Messages, Input, ABC):
             while not self._over.is_set():
                 if self._port is None:
                     self._over.wait(RETRY_S)
-                    self._find_again()
+                    self._reconnect()
                     continue
                 try:
                     self._read(self._port)
@@ -327,7 +327,7 @@ class ThreadedInput(Messages, Input, ABC):
         self._lost += 1
         self.say(f"{self.GONE}; disk released, waiting for the device")
 
-    def _find_again(self) -> None:
+    def _reconnect(self) -> None:
         if (port := self._open_again()) is not None:
             self._writer.restart()
             self._received_at = time.monotonic()

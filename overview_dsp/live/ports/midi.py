@@ -18,7 +18,7 @@ from overview_dsp.installation import install_command
 from overview_dsp.live.ports.port import Datagram, PortLostError, QueuedPort
 
 MAX_QUEUED = 4096
-LATE_S = 0.05  # longest time from a message to its arrival here; the clocks differ otherwise
+LATE_S = 0.05  # longest delay of a message; a longer one means that the two clocks differ
 RTMIDI2_QUEUE = 1024
 RTMIDI2_SYSTEMS = ("API_MACOSX_CORE", "API_LINUX_ALSA", "API_UNIX_JACK", "API_WINDOWS_MM")
 
@@ -64,11 +64,11 @@ class _System:
 
     def close(self) -> None:
         """Close the port and the input."""
-        if self._opened and self._is_python_rtmidi:
-            self._input.cancel_callback()
-        elif self._opened:
-            self._input.callback = None
         if self._opened:
+            if self._is_python_rtmidi:
+                self._input.cancel_callback()
+            else:
+                self._input.callback = None
             self._input.close_port()
         if self._is_python_rtmidi:
             self._input.delete()
@@ -187,7 +187,7 @@ class MidiPort(QueuedPort):
     def receive(self, wait_s: float) -> list[bytes]:
         """Return new messages, as `Port.receive`.
 
-        PortLostError: the port is disconnected, or has stopped to send active sensing.
+        PortLostError: the port is disconnected, or has stopped sending active sensing.
         """
         found = super().receive(wait_s)
         now = time.monotonic()

@@ -33,15 +33,21 @@ from overview_dsp.live.session.player import Player
 from overview_dsp.live.session.session import Status
 from overview_dsp.units import gain_to_db
 
-POLLS_PER_SECOND, VIEW_EVERY, MESSAGE_S, FULL = 30, 3, 10.0, 20
-"""Polls per second, and number between two updates; time that a message is shown; height of the
-screen from which there are large figures, legend and signals."""
+POLLS_PER_SECOND, VIEW_EVERY = 30, 3
+"""Polls per second, and number of polls between two updates of the view."""
 
-COLUMN_S, DRAWN_EVERY, WIDEST = 0.1, 3, 400
-"""Time of a column of torque and vibration, columns per update, and number that is kept."""
+MESSAGE_S, FULL_HEIGHT = 10.0, 20
+"""Time for which a message is shown; height of the screen from which there are large figures,
+legend and signals."""
 
-STEP_DB, STEPS, BESIDE, NAME, LEVEL = 6.0, 7, 14, 10, 30
-"""Step and number of heights; column beside large figures; widths of a signal's name and level."""
+COLUMN_S, DRAWN_EVERY, MAX_COLUMNS = 0.1, 3, 400
+"""Torque and vibration: time of a column, columns per update, and number that is kept."""
+
+STEP_DB, STEPS, NAME_WIDTH, LEVEL_WIDTH = 6.0, 7, 10, 30
+"""Step and number of heights of a column; widths of a signal's name and of its level."""
+
+BESIDE_FIGURES = 14
+"""Column of the texts beside large figures."""
 
 _SCORE, _NUMBER = re.compile(r"(\d+) to (\d+)"), re.compile(r"(-?[\d.]+)(?: (.*))?")
 
@@ -83,7 +89,7 @@ def readout(
         ]
         tall = [view.cells(*((f"{rows[y]} ", token) for rows, token in glyphs)) for y in range(3)]
         tall[2] += view.cells(*parts[large:])
-    at = max(BESIDE, *(len(row) + 2 for row in tall)) if value else 0
+    at = max(BESIDE_FIGURES, *(len(row) + 2 for row in tall)) if value else 0
     beside = when, event, view.cells((view.shortened(note, width - at - 2), ""))
     return [row + view.cells((" " * (at - len(row)), "")) + one for row, one in zip(tall, beside)]  # noqa: B905
 
@@ -92,7 +98,7 @@ class Trace:
     """Torque and vibration of the last seconds, the newest at the right."""
 
     def __init__(self) -> None:
-        self._past = [deque([0.0] * WIDEST, maxlen=WIDEST) for _ in range(2)]
+        self._past = [deque([0.0] * MAX_COLUMNS, maxlen=MAX_COLUMNS) for _ in range(2)]
         self._until, self._peaks, self._new = COLUMN_S, [0.0, 0.0], 0
 
     def add(self, status: Status) -> bool:
@@ -109,10 +115,10 @@ class Trace:
 
     def rows(self, status: Status, hz: float, width: int) -> list[view.Row]:
         """Return the two rows, with the present level of each."""
-        muted, rows = [signal.mute for signal in status.settings.signals], []
+        (no_clicks, no_tactor), rows = (one.mute for one in status.settings.signals), []
         words = f"{self._past[0][-1] * status.full_torque * 1e3:.2f} mN·m", f"{hz:g} Hz"
         for index, name in enumerate(("torque", "vibration")):
-            room = max(1, width - NAME - LEVEL - 2)
+            room = max(1, width - NAME_WIDTH - LEVEL_WIDTH - 2)
             past = list(self._past[index])[-room:]
             steps = [round(STEPS + gain_to_db(one) / STEP_DB) if one > 0.0 else 0 for one in past]
             marks = [view.BLOCKS[min(step, STEPS)] if step > 0 else " " for step in steps]
@@ -120,11 +126,11 @@ class Trace:
             text = ("none", "silent")[index]
             if steps[-1] > 0:
                 text = f"{gain_to_db(past[-1]):.0f} dB {words[index]}".replace("-", "−")
-            text = "muted" if muted[1] and index else text
-            text += "  clicks muted" if muted[0] and index else ""
+            text = "muted" if no_tactor and index else text
+            text += "  clicks muted" if no_clicks and index else ""
             colour = ("hand", "passed")[index]
             row = view.cells(
-                (name.ljust(NAME), ""), ("".join(marks), colour), (f"  {text}", "bold")
+                (name.ljust(NAME_WIDTH), ""), ("".join(marks), colour), (f"  {text}", "bold")
             )
             rows.append(view.spread(width, row))
         return rows
@@ -182,7 +188,7 @@ class PlayApp(App[None]):
     """Application that plays a timeline by mouse and keys."""
 
     CSS_PATH = "app.tcss"
-    VERTICAL_BREAKPOINTS = [(0, "-short"), (FULL, "-full")]  # noqa: RUF012
+    VERTICAL_BREAKPOINTS = [(0, "-short"), (FULL_HEIGHT, "-full")]  # noqa: RUF012
     COMMANDS: ClassVar = {CommandProvider}
     COMMAND_PALETTE_BINDING = "c"
     BINDINGS: ClassVar[list[BindingType]] = [
@@ -212,11 +218,8 @@ class PlayApp(App[None]):
         self._shown: list[tuple[float, str]] = []
         self._drawn: tuple[object, ...] = ()  # surface and sizes
         self._finger: tuple[float, float] | None = None  # position and time, once it has touched
-        self._trace, self._report, self._actions = (
-            Trace(),
-            PositionReport(player),
-            KeyActions(player),
-        )
+        self._trace, self._report = Trace(), PositionReport(player)
+        self._actions = KeyActions(player)
         self._view = view.TimelineView(player, self.skin)
         names = ("readout", "legend", "signals", "state", "keys")
         self._rows = {name: view.Cells(self.skin, id=name) for name in names}
@@ -304,11 +307,11 @@ class PlayApp(App[None]):
         named = [] if event is None else view.cells(*self._labels.named(event))
         source = (status.following or "") if self._source is None else self._source.status_text
         recording = f"take: {status.recording}" if status.recording else ""
-        said = list(dict.fromkeys(line for _, line in self._shown))[-2:]
-        texts = [*said, source, recording]
+        messages = list(dict.fromkeys(line for _, line in self._shown))[-2:]
+        texts = [*messages, source, recording]
         scored = zip(player.timeline.sides, value.split(" to "), strict=False)
         texts.append(", ".join(f"{team} {goals}" for team, goals in scored if goals.isdigit()))
-        note, large = "; ".join(filter(None, texts)), (self.skin.has_utf8, height >= FULL)
+        note, large = "; ".join(filter(None, texts)), (self.skin.has_utf8, height >= FULL_HEIGHT)
         lines = [view.cells(*title(player.timeline, self.skin))]
         lines += readout((moment, end, value), named, note, *large, width)
         self._rows["readout"].draw([view.spread(width, line) for line in lines])
@@ -328,7 +331,7 @@ class PlayApp(App[None]):
             text = view.shortened(f"{reason}. Plug it in, or press c", width - 14)
             return view.cells((f" Output lost  {text}".ljust(width), "lost"))
         reason = "released" if name == "no input" and self._finger else reason
-        reason = self._shown[-1][1] if self.size.height < FULL and self._shown else reason
+        reason = self._shown[-1][1] if self.size.height < FULL_HEIGHT and self._shown else reason
         left = view.cells((name.capitalize(), "bold"), ("  ", ""))
         left += view.cells((view.shortened(reason, width - 2 - len(left)), ""))
         delay = f"output {status.stream.latency_s * 1e3:.1f} ms"

@@ -25,7 +25,7 @@ class KeyActions:
         self._actions: dict[str, Callable[[], object]] = {
             "home": lambda: player.touch(0.0),
             "end": lambda: player.touch(1.0),
-            "space": self._release_or_tap,
+            "space": lambda: self.press("escape" if player.pointer.touching else "enter"),
             "enter": lambda: player.tap(player.pointer.position),
             "escape": player.release,
             "[": lambda: player.go_to_event(-1, self._position()),
@@ -57,13 +57,6 @@ class KeyActions:
     def _move(self, steps: int) -> None:
         """Touch at a position that is `steps` hundredths of the window away."""
         self._player.touch(self._position() + steps * STEP)
-
-    def _release_or_tap(self) -> None:
-        """Release during a touch, otherwise tap at the last position."""
-        if self._player.pointer.touching:
-            self._player.release()
-        else:
-            self._player.tap(self._player.pointer.position)
 
 
 def help_text(player: Player, skin: Skin) -> str:

@@ -53,9 +53,9 @@ class LineSession:
         self._actions = KeyActions(player)
         self.command: str | None = None  # that is being typed
         self._finger: float | None = None
-        self._place = player.pointer.position
-        self._asked = self._moved = False
-        self._said_at, self._said = 0.0, ""
+        self._place = player.pointer.position  # of the next report
+        self._requested = self._moved = False  # reasons for a line on the position
+        self._reported_at, self._reported = 0.0, ""
         self._state = self._read_state()
 
     def say(self, text: str) -> None:
@@ -89,7 +89,7 @@ class LineSession:
             if key in "[]" and (place == before or not player.pointer.touching):
                 self.say("No next event." if key == "]" else "No previous event.")
             else:
-                self._place, self._asked = place, True
+                self._place, self._requested = place, True
 
     def _type(self, key: str) -> None:
         if key in ("enter", "escape"):
@@ -119,7 +119,7 @@ class LineSession:
         elif self._finger is not None:
             self._moved = True
         self._finger = finger
-        if (self._moved or self._asked) and now_s - self._said_at >= LINE_EVERY_S:
+        if (self._moved or self._requested) and now_s - self._reported_at >= LINE_EVERY_S:
             self._say_position(now_s)
 
     def _say_position(self, now_s: float) -> None:
@@ -127,10 +127,10 @@ class LineSession:
         if self._finger is None:
             text = f"Released at {text}"
             self._report.forget()
-        if self._asked or text != self._said:
+        if self._requested or text != self._reported:
             self.say(text)
-            self._said_at, self._said = now_s, text
-        self._asked = self._moved = False
+            self._reported_at, self._reported = now_s, text
+        self._requested = self._moved = False
 
     def _read_state(self) -> tuple[str, ...]:
         """Return the window and the replay as sentences."""
@@ -196,10 +196,8 @@ def _raw_keys() -> Iterator[Callable[[], str]]:
     def read() -> str:
         if not select.select([file], [], [], POLL_EVERY_S)[0]:
             return ""
-        data = os.read(file, 1024)
-        if not data:  # closed
-            return "\x1bq"
-        return data.decode("utf-8", "replace")
+        # no bytes from a closed terminal: Escape, then quit
+        return os.read(file, 1024).decode("utf-8", "replace") or "\x1bq"
 
     try:
         yield read

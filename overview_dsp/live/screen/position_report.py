@@ -11,19 +11,21 @@ from datetime import timedelta
 
 import numpy as np
 
-from overview_dsp.data.analysis.series_events import value_text
+from overview_dsp.data.analysis.series_events import has_values, value_text
 from overview_dsp.data.timeline import Event, Timeline
 from overview_dsp.data.timeline.event import GOALS, score_of
 from overview_dsp.live.session.player import Player
 from overview_dsp.public import counted
 from overview_dsp.units import HALF_TURN, clock_text
 
-NAMED, COUNTED, AT, MOST_POINTS = 2, 3, 0.005, 1_000_000
-"""Maximum number of passed events that are named, and of their kinds that are counted; distance
-from an extreme within which the finger is on it; maximum number of points that are searched."""
+MAX_NAMED, MAX_KINDS = 2, 3
+"""Maximum number of passed events that are named, and of kinds if more events are counted."""
 
-DERIVED_UNIT = "0..1"
-"""In the unit of a curve that was derived from events, whose values mean nothing."""
+NEAR_EXTREME = 0.005
+"""Distance from an extreme of the curve at which the finger is on it, as a part of the window."""
+
+MAX_POINTS = 1_000_000
+"""Maximum number of points of a curve that are searched for extremes."""
 
 _DAYS_FROM_S = 3 * 86_400.0
 _TENTHS_BELOW_S = 600.0
@@ -90,7 +92,8 @@ class PositionReport:
         time_s = self._player.time_at(position)
         event = self._event_at(position)
         end = "start" if position <= 0.0 else "end" if position >= 1.0 else ""
-        known_s = time_s if event is None else max(time_s, event.time_s)  # of the score
+        # the score counts a goal from the beginning of its surface on
+        known_s = time_s if event is None else max(time_s, event.time_s)
         return (self.moment(time_s), end, self._value(time_s, known_s)), time_s, event
 
     def text(self, position: float) -> str:
@@ -115,8 +118,8 @@ class PositionReport:
         if found or score_of(timeline.events):
             self._scores.insert(0, (-math.inf, "0 to 0"))
         curve, self._extremes = timeline.intensity, list[Event]()
-        self._has_values = curve is not None and DERIVED_UNIT not in curve.unit
-        if curve is None or not self._has_values or not 1 < curve.count <= MOST_POINTS:
+        self._has_values = has_values(timeline)
+        if curve is None or not self._has_values or not 1 < curve.count <= MAX_POINTS:
             return
         index = np.arange(curve.count)
         times = curve.points.times_of(index)
@@ -150,23 +153,24 @@ class PositionReport:
             if span[0] <= position <= span[1] and index < len(events):
                 event: Event = events[index]
                 return event.moved(event.time_s + player.window[0])
-        low, high = player.time_at(max(position - AT, 0.0)), player.time_at(min(position + AT, 1.0))
+        low = player.time_at(max(position - NEAR_EXTREME, 0.0))
+        high = player.time_at(min(position + NEAR_EXTREME, 1.0))
         return next((one for one in self._extremes if low <= one.time_s <= high), None)
 
     def _passed(self, last: tuple[float, Event | None], time_s: float, event: Event | None) -> str:
         """Name or count the events between two positions; empty without any."""
-        began_s = last[0]
+        last_s, last_event = last
         passed = [
             one
             for one in (*self._player.timeline.events, *self._extremes)
-            # the start belongs to the report before
-            if (began_s < one.time_s <= time_s or time_s <= one.time_s < began_s)
-            and not (is_same(one, last[1]) or is_same(one, event))
+            # events at the last position were in its report
+            if (last_s < one.time_s <= time_s or time_s <= one.time_s < last_s)
+            and not (is_same(one, last_event) or is_same(one, event))
         ]
-        if len(passed) <= NAMED:
+        if len(passed) <= MAX_NAMED:
             return ", ".join(event_text(one, self._player.timeline.sides) for one in passed)
         kinds = Counter(one.kind.replace("_", " ") for one in passed)
-        if len(kinds) > COUNTED:
+        if len(kinds) > MAX_KINDS:
             return f"{len(passed)} events"
         return ", ".join(counted(count, kind) for kind, count in kinds.items())
 

@@ -24,6 +24,7 @@ from textual.strip import Strip
 from textual.widget import Widget
 
 from overview_dsp.arrays import FloatArray
+from overview_dsp.data.analysis.series_events import has_values
 from overview_dsp.data.timeline import Event, Timeline
 from overview_dsp.data.timeline.ticks import KINDS, window_ticks
 from overview_dsp.errors import printable
@@ -38,7 +39,7 @@ Cell = tuple[str, str]
 
 Row = list[Cell]
 TABLES: dict[str, Any] = load_toml(__file__, "signs.toml")
-PIECE, MARGIN, LEAST = 16, 2, 0.02
+MAX_RUN, MARGIN, MIN_HEIGHT = 16, 2, 0.02
 """Longest run of cells that is sent again, cells beside the picture, least height of a curve."""
 
 SCORES_FROM, LANES_FROM = 20, 12
@@ -58,7 +59,7 @@ class Skin:
         name = "light" if background in ("7", "15") else "dark"
         name = "sixteen" if system in ("standard", "windows") else name
         self.name = "none" if "NO_COLOR" in environment else name
-        # of an unknown background the colours may not be seen: then it gets a dark one
+        # on an unknown background colours may be invisible: a dark one is drawn instead
         is_known = background or self.name in ("none", "sixteen")
         dark = "ansi-dark" if is_known else "textual-dark"
         self.theme = "ansi-light" if self.name == "light" else dark
@@ -132,7 +133,7 @@ class Cells(Widget):
     def render_line(self, y: int) -> Strip:
         """Return a row in its colours."""
         row = self.rows[y] if y < len(self.rows) else []
-        pieces = groupby(enumerate(row), key=lambda one: (one[1][1], one[0] // PIECE))
+        pieces = groupby(enumerate(row), key=lambda one: (one[1][1], one[0] // MAX_RUN))
         strip = Strip(
             Segment("".join(cell[0] for _, cell in run), self.skin.style(token))
             for (token, _), run in pieces
@@ -190,7 +191,7 @@ class Labels:
         curve = self._timeline.intensity
         unit = "friction" if curve is None else curve.unit
         name = unit if 0 < len(unit) <= len("beats/minute") else "curve"
-        name = "crowd" if report.DERIVED_UNIT in unit else name
+        name = name if curve is None or has_values(self._timeline) else "crowd"
         ahead = (self._skin.ahead, "ahead"), (" ahead", "")
         right = cells(("█", "passed"), (f" {name}  ", ""), *ahead)
         row: Row = []
@@ -313,10 +314,10 @@ class TimelineView(Cells):
         until = timeline.known_until_s
         value[times > (math.inf if until is None else until)] = np.nan
         known = value[~np.isnan(value)]
-        low, high = (float(known.min()), float(known.max())) if len(known) else (0.0, 1.0)
+        low, high = (float(known.min()), float(known.max())) if known.size else (0.0, 1.0)
         if curve is not None:
             low = 0.0 if 0.0 <= low <= 0.6 * high else low - 0.1 * (high - low)
-        return np.clip((value - low) / (high - low if high > low else 1.0), LEAST, 1.0)
+        return np.clip((value - low) / (high - low if high > low else 1.0), MIN_HEIGHT, 1.0)
 
     def _draw_stage(self, stage: range, has_signs: bool) -> None:
         """Draw the curve, gaps, and the time up to which there are data."""

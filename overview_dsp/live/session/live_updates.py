@@ -297,7 +297,7 @@ class MissedEvents:
         if self._target is None or self._session.played_s < self._next_s:
             return
         if self._pointer.position != self._target or (self._next_s and not self._pointer.touching):
-            self._target = None  # the person has taken over
+            self._target = None  # the user has taken over
         elif self._left:
             event = self._left.popleft()
             self._pointer.release()  # a new touch: the backlash doesn't stop the disk before it
