@@ -102,7 +102,8 @@ def find_beats(
         for begin, stop in parts:
             part = _Part(_bridged(samples[begin:stop]), signal.rate, what)
             for limit, spans in doubtful.items():
-                spans += _shifted(part.doubtful(limit), low + begin, first, end)
+                moved = ((low + begin + a, low + begin + b) for a, b in part.doubtful(limit))
+                spans += [(max(a, first), min(b, end)) for a, b in moved if a < end and b > first]
             for beat, other, hidden in part.beats():
                 at = beat + low + begin
                 if first <= at < end and (not found or at - found[-1][0] >= near):
@@ -203,12 +204,6 @@ def _hidden(size: FloatArray, beats: IntArray, rate: float) -> BoolArray:
             highest > 0.2
         )
     return found
-
-
-def _shifted(spans: Spans, by: int, first: int, end: int) -> Spans:
-    """Return spans shifted by `by` samples and cut to `first` and `end`."""
-    moved = [(max(begin + by, first), min(stop + by, end)) for begin, stop in spans]
-    return [(begin, stop) for begin, stop in moved if begin < stop]
 
 
 def silent_parts(

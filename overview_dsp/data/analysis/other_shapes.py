@@ -123,7 +123,9 @@ def _classes(
         seed = rest[np.argmax(size[rest])]
         members = rest[_likeness(shapes[rest], shapes[seed], rate) > _ALIKE]
         if len(members) >= _LEAST_COUNT:
-            middle = np.median(_aligned(shapes[members], shapes[seed], rate), axis=0)
+            windows, correlation = _lagged(shapes[members], shapes[seed], rate)
+            aligned = windows[np.arange(len(members)), correlation.argmax(axis=1)]
+            middle = np.median(aligned, axis=0)
             likeness = float(np.median(_likeness(shapes[members], middle, rate)))
             large = float(np.median(size[members])) >= _LEAST_SIZE
             close = any(
@@ -161,11 +163,6 @@ def _likeness(shapes: FloatArray, to: FloatArray, rate: float) -> FloatArray:
         lag = (shapes.shape[1] - to.shape[0]) // 2
         to = np.pad(to, lag)
     return np.asarray(_lagged(shapes, to, rate)[1].max(axis=1))
-
-
-def _aligned(shapes: FloatArray, to: FloatArray, rate: float) -> FloatArray:
-    windows, correlation = _lagged(shapes, to, rate)
-    return np.asarray(windows[np.arange(len(shapes)), correlation.argmax(axis=1)])
 
 
 def _nearest(beats: IntArray, at: IntArray) -> IntArray:

@@ -151,7 +151,9 @@ def find_events(series: Series, duration_s: float) -> tuple[list[Event], list[st
         events.append(series.event("split", split.index, words))
     notes = []
     if turn_events:
-        least = turns.least_text(series)
+        least = f"{value_text(turns.least, series.unit)} prominence"
+        if turns.ratios:
+            least = f"{100.0 * math.expm1(turns.least):.3g} % prominence"
         notes.append(f"peaks and troughs: the {TURNS} most prominent of each, of at least {least}")
     if crossing_note:
         notes.append(crossing_note)
@@ -223,11 +225,6 @@ class _Turns:
         found = {sign: peaks(sign * level) for sign in (1.0, -1.0)}
         return cls(level, ratios, max(least, 0.0), found)
 
-    def least_text(self, series: Series) -> str:
-        if self.ratios:
-            return f"{100.0 * math.expm1(self.least):.3g} % prominence"
-        return f"{value_text(self.least, series.unit)} prominence"
-
 
 def _prominent(
     series: Series, turns: _Turns, extremes: set[int], duration_s: float, here: str = ""
@@ -289,8 +286,10 @@ def _lesser(series: Series, turns: _Turns, taken: Collection[float]) -> Iterator
 
 def _step_text(series: Series, i: int) -> str:
     step = float(series.step[i])
-    by = f"{step:+.2f} %" if series.relative else _signed(step, series.unit)
-    return f"{by} to {series.value_text(i)}"
+    if series.relative:
+        return f"{step:+.2f} % to {series.value_text(i)}"
+    words = value_text(step, series.unit)
+    return f"{'' if words.startswith('-') else '+'}{words} to {series.value_text(i)}"
 
 
 def _moves(series: Series) -> list[Event]:
@@ -315,11 +314,6 @@ def _largest(size: FloatArray, count: int) -> IntArray:
     least = np.partition(size, -count)[-count] if len(size) > count else -np.inf
     some = np.flatnonzero(size >= least)
     return some[np.argsort(-size[some], kind="stable")[:count]]
-
-
-def _signed(value: float, unit: str) -> str:
-    words = value_text(value, unit)
-    return words if words.startswith("-") else f"+{words}"
 
 
 def _crossings(series: Series) -> tuple[list[Event], str]:

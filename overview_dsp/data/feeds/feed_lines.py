@@ -65,14 +65,9 @@ def encode_line(line: Mapping[str, Any]) -> str:
 
 def event_object(event: Event) -> dict[str, Any]:
     """Return an event as an object of the feed; values that are as usual are omitted."""
-    written: dict[str, Any] = {"time_s": event.time_s, "kind": event.kind}
-    if event.label:
-        written["label"] = event.label
-    if event.weight != 1.0:
-        written["weight"] = event.weight
-    if event.side:
-        written["side"] = event.side
-    return written
+    usual = {"label": "", "weight": 1.0, "side": 0}
+    fields = {name: getattr(event, name) for name in FIELDS}
+    return {name: value for name, value in fields.items() if value != usual.get(name)}
 
 
 class Lines:

@@ -130,7 +130,11 @@ def encode(timeline: Timeline) -> bytes:
     entries = {key: _json(value) for key, value in values.items() if value is not None}
     for key, events in (("events", timeline.events), ("details", timeline.details)):
         if events:
-            entries[key] = "[\n  " + ",\n  ".join(map(_row, events)) + "\n ]"
+            rows = (
+                {name: getattr(event, name) for name in FIELDS if name != "side" or event.side}
+                for event in events
+            )
+            entries[key] = "[\n  " + ",\n  ".join(map(_json, rows)) + "\n ]"
     if timeline.intensity is not None:
         curve = timeline.intensity
         if curve.count > MAX_POINTS:
@@ -209,10 +213,6 @@ def _rules(value: object, timeline: Timeline) -> WindowRules:
         if curve.last_s > timeline.duration_s:
             raise InputError("it reaches beyond the end of the timeline (duration_s)")
     return rules_of(curve, per_cent, timeline)
-
-
-def _row(event: Event) -> str:
-    return _json({name: getattr(event, name) for name in FIELDS if name != "side" or event.side})
 
 
 def _json(value: object) -> str:

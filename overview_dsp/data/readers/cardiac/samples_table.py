@@ -224,20 +224,17 @@ def _layout_of(source: DataFile) -> _Layout | None:
     except InputError:  # the reader of series reports the error
         return None
     decimal_mark = choose_decimal_mark(head, range(len(head)), dialect.separator)
-    numeric = tuple(_is_numeric(column, decimal_mark) for column in head)
-    for is_numeric, column in zip(numeric, head, strict=True):
-        if not is_numeric and any(_moment_of(cell) is None for cell in _known(column)):
+    numeric = []
+    for known in map(_known, head):
+        numbers = [_number(cell, decimal_mark) for cell in known]
+        numeric.append(bool(known) and None not in numbers)
+        if not numeric[-1] and any(_moment_of(cell) is None for cell in known):
             return None  # a column of text: a series, not samples
-    return _Layout(dialect, head, decimal_mark, numeric)
+    return _Layout(dialect, head, decimal_mark, tuple(numeric))
 
 
 def _head_table(source: DataFile, dialect: Dialect) -> DelimitedTable:
     return DelimitedTable("\n".join(head_lines(source, dialect.encoding)), dialect)
-
-
-def _is_numeric(cells: Sequence[str | None], decimal_mark: str) -> bool:
-    known = _known(cells)
-    return bool(known) and all(_number(cell, decimal_mark) is not None for cell in known)
 
 
 def _known(cells: Sequence[str | None]) -> list[str]:

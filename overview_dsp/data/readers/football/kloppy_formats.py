@@ -192,6 +192,9 @@ def _timeline(dataset: Any, format_name: str, default_title: str) -> Timeline:
                 match_events.append(MatchEvent(time_s, kind, scorer, player, detail, "", location))
     metadata = dataset.metadata
     date = metadata.date
+    # a score of Metrica may be an empty text
+    goals = [getattr(metadata.score, name, None) for name in ("home", "away")]
+    home, away = (one if isinstance(one, int) else None for one in goals)
     return match_timeline(
         [_name(team.name or f"team {team.team_id}", "team") for team in metadata.teams],
         begins,
@@ -201,7 +204,7 @@ def _timeline(dataset: Any, format_name: str, default_title: str) -> Timeline:
         notes,
         default_title=default_title,
         title_parts=[date.date().isoformat()] if isinstance(date, datetime) else [],
-        final=_score(metadata.score),
+        final=None if home is None or away is None else (home, away),
     )
 
 
@@ -271,9 +274,3 @@ def _name(value: object, of: str) -> str:
     if not isinstance(value, str):
         raise InputError(f"the name of a {of} is {quoted(value)}, not text; correct it in the file")
     return value
-
-
-def _score(score: Any) -> tuple[int, int] | None:
-    """Return the final score; Metrica's may be an empty text."""
-    home, away = getattr(score, "home", None), getattr(score, "away", None)
-    return (home, away) if isinstance(home, int) and isinstance(away, int) else None

@@ -7,7 +7,7 @@ then, so `45+2` and `46` are different times.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 from overview_dsp.data.readers.football.match_timeline import SHOOT_OUT, concatenate_periods
@@ -119,7 +119,9 @@ class Clock:
         listed = [minute for minute in minutes if minute.period != SHOOT_OUT]
         ends = ends or {}
         known = [*listed, *ends.values()]
-        restarts = _restarts(known)
+        # periods 2 to 4 count from 0 if most of their minutes are before their start
+        later = [m.base < STARTS[m.period] for m in known if m.period in (2, 3, 4)]
+        restarts = 2 * sum(later) > len(later)
         if extra_time is None:
             bases = [m.base for m in known if m.period is None]
             limit = ENDS[2] if any(m.added is not None for m in known) else ENDS[3]
@@ -173,9 +175,3 @@ class Clock:
         """Return the time from the start of the period, s."""
         start = 0 if self.restarts else STARTS[period]
         return 60.0 * (minute.on_clock - start) + (minute.seconds or 0.0)
-
-
-def _restarts(minutes: Sequence[Minute]) -> bool:
-    """Return whether periods 2 to 4 count from 0: most of their minutes are before their start."""
-    later = [m for m in minutes if m.period in (2, 3, 4)]
-    return 2 * sum(m.base < STARTS[m.period or 1] for m in later) > len(later)

@@ -169,7 +169,9 @@ def decode(document: object, default_title: str = "") -> Timeline:
     notes: list[str] = []
     lengths = _lengths_us(played, notes)
     begins, end = concatenate_periods(lengths)
-    teams = _teams(records)
+    # the team of the first Starting XI is the home team
+    starting = [record for record in records if record.kind == "Starting XI"]
+    teams = list(dict.fromkeys(one.team for one in (*starting, *records) if one.team))
     own_goals = _own_goals(played, notes)
     on_line = _blocked_on_line(played)
     match_events: dict[tuple[object, ...], MatchEvent] = {}
@@ -280,13 +282,6 @@ def _own_goals(played: Sequence[Record], notes: list[str]) -> dict[int, str]:
         )
         scorers[record.number] = short_name(record.player)
     return scorers
-
-
-def _teams(records: Sequence[Record]) -> list[str]:
-    """Return all teams; the team of the first Starting XI is the home team."""
-    starting = [record.team for record in records if record.kind == "Starting XI"]
-    others = [record.team for record in records]
-    return list(dict.fromkeys(team for team in (*starting, *others) if team))
 
 
 def _is_near(record: Record, outcome: str, on_line: frozenset[int]) -> bool:

@@ -13,7 +13,7 @@ a column `symbol`, or in the name of the file). Commodities, currencies, indices
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -170,10 +170,12 @@ def detect_value_type(
     if not named and not money:
         return ValueType("plain")
     why = "its header says so" if named else "it is in a currency"
-    symbols = [name, *_symbols(columns, head)]
-    if not named or any(
-        PATTERNS["no_share"].search(symbol.replace("_", " ")) for symbol in symbols
-    ):
+    symbols = [name]
+    for other, cells in zip(columns, head, strict=True):
+        if other.plain in _SYMBOLS and cells and isinstance(cells[0], str):
+            symbols.append(cells[0].strip())
+    no_share = PATTERNS["no_share"].search
+    if not named or any(no_share(symbol.replace("_", " ")) for symbol in symbols):
         return _with_note("price", column, why)
     if "adjusted" in price_columns(columns):
         return _with_note("share", column, "there is a close adjusted for splits")
@@ -188,9 +190,9 @@ def detect_value_type(
 
 def _with_note(kind: str, column: Column, why: str) -> ValueType:
     header = quoted(column.header)
-    other = "price" if kind == "share" else "share"
-    what = "the price of a share" if kind == "share" else "a price"
-    splits = "are" if kind == "share" else "aren't"
+    what, splits, other = "a price", "aren't", "share"
+    if kind == "share":
+        what, splits, other = "the price of a share", "are", "price"
     return ValueType(
         kind,
         f"{header} is {what} ({why}): steps are in per cent, splits {splits} looked for; "
@@ -208,9 +210,3 @@ def _is_money(column: Column, cells: Sequence[Any]) -> bool:
         if found is not None:
             return found[1] in CURRENCIES and bool(found[1])
     return False
-
-
-def _symbols(columns: Columns, head: Head) -> Iterable[str]:
-    for column, cells in zip(columns, head, strict=True):
-        if column.plain in _SYMBOLS and cells and isinstance(cells[0], str):
-            yield cells[0].strip()

@@ -111,8 +111,13 @@ def choose_time(
         form = Format(written)
     values = None if value is None else column_named(columns, value)
     clock, unmarked = _clock_column(columns, head, index, form, values)
-    offset = _offset_column(columns, head, index, form)
-    beside = tuple(i for i in (clock, offset) if i is not None)
+    offsets = [  # from UTC, which make the hour of a clock change unique
+        i
+        for i, column in enumerate(columns)
+        if i != index and column.plain in NAMES["utc_offsets"] and form.name in _DAYS
+        if _all(head[i], _OFFSET.fullmatch)
+    ]
+    beside = tuple(i for i in (clock, *offsets[:1]) if i is not None)
     notes = _form_notes(form)
     if beside:
         if unmarked and clock is not None:
@@ -258,14 +263,6 @@ def _marked(cell: Any, factor: int) -> str:
         return text
     hours, minutes = divmod(int(text) * 100 // factor, 100)
     return f"{hours:02}:{minutes:02}"
-
-
-def _offset_column(columns: Columns, head: Head, date: int, form: Format) -> int | None:
-    """Return the column of offsets from UTC, which make the hour of a clock change unique."""
-    named = [
-        i for i, c in enumerate(columns) if c.plain in NAMES["utc_offsets"] and form.name in _DAYS
-    ]
-    return next((i for i in named if i != date and _all(head[i], _OFFSET.fullmatch)), None)
 
 
 def _all(cells: Sequence[Any], fits: Callable[[str], object]) -> bool:

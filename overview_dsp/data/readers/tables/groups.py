@@ -78,12 +78,11 @@ class OneGroup(Table):
             indices = np.flatnonzero(kept).tolist()
             if indices:
                 numbers = [chunk.number(i) for i in indices]
-                some = tuple(_select(cells, indices) for cells in chunk.cells[: len(columns)])
-                yield Chunk(some, numbers[0], numbers, chunk.part)
-
-
-def _select(cells: Cells, indices: list[int]) -> Cells:
-    return cells[indices] if isinstance(cells, np.ndarray) else [cells[i] for i in indices]
+                selected: tuple[Cells, ...] = tuple(
+                    cells[indices] if isinstance(cells, np.ndarray) else [cells[i] for i in indices]
+                    for cells in chunk.cells[: len(columns)]
+                )
+                yield Chunk(selected, numbers[0], numbers, chunk.part)
 
 
 def _text(cell: Any) -> str:

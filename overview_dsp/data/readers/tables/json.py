@@ -117,7 +117,10 @@ def _tables(value: Any, path: str, depth: int, units: dict[str, str]) -> Iterato
         found = next(filter(None, (shape(value) for shape in _OBJECT_SHAPES)), None)
     if found is not None:
         units = found.units or units
-        columns = tuple(Column.of(n, units.get(n, "")) for n in _spelled_out(found.names))
+        names = found.names
+        if {"t", "o", "h", "l", "c"} <= set(names):  # the single letters of a price chart
+            names = tuple(CHART_LETTERS.get(name, name) for name in names)
+        columns = tuple(Column.of(name, units.get(name, "")) for name in names)
         notes = (f"the table is at {quoted(path)}",) if path else ()
         yield ColumnTable("JSON", columns, found.rows, found.cut, "record", notes)
     if depth >= MAX_DEPTH:
@@ -126,18 +129,14 @@ def _tables(value: Any, path: str, depth: int, units: dict[str, str]) -> Iterato
         for key, item in list(value.items())[:_MAX_KEYS]:
             if isinstance(item, dict | list):
                 below = f"{path}.{key}" if path else key
-                yield from _tables(item, below, depth + 1, _units(value, key))
+                near = value.get(f"{key}_units")
+                texts = near.items() if isinstance(near, dict) else ()
+                inner = {name: unit for name, unit in texts if isinstance(unit, str)}
+                yield from _tables(item, below, depth + 1, inner)
     elif isinstance(value, list) and found is None:
         for i, item in enumerate(value[:_MAX_ENTRIES]):
             if isinstance(item, dict | list):
                 yield from _tables(item, f"{path}[{i}]", depth + 1, {})
-
-
-def _units(value: dict[str, Any], key: str) -> dict[str, str]:
-    near = value.get(f"{key}_units")
-    if not isinstance(near, dict):
-        return {}
-    return {name: unit for name, unit in near.items() if isinstance(unit, str)}
 
 
 def _record_list(entries: list[Any]) -> _Shape | None:
@@ -299,13 +298,6 @@ def _is_series(table: ColumnTable) -> bool:
         if column and all(isinstance(cell, str) and is_date(cell) for cell in column):
             return True
     return False
-
-
-def _spelled_out(names: Sequence[str]) -> tuple[str, ...]:
-    """Return column names, with the single letters of a price chart replaced."""
-    if not {"t", "o", "h", "l", "c"} <= set(names):
-        return tuple(names)
-    return tuple(CHART_LETTERS.get(name, name) for name in names)
 
 
 def _candle_names(rows: Sequence[Sequence[Any]]) -> tuple[str, ...] | None:

@@ -178,7 +178,8 @@ class _Reader:
             self._done.append(point)
             self._point = None
         elif name in ("time", "Time"):
-            point["time"] = _seconds(text)
+            found = moment((text or "").strip(), "iso")  # UTC without a zone
+            point["time"] = math.nan if found is None else found.ns / NS
         elif text and name in TRACK_ELEMENTS:
             point[TRACK_ELEMENTS[name]] = _number(text)
         elif text and name == "Value" and self._path[-1] == "HeartRateBpm":
@@ -192,12 +193,6 @@ def _number(text: str | None) -> float:
     except ValueError:
         return math.nan
     return value if math.isfinite(value) else math.nan
-
-
-def _seconds(text: str | None) -> float:
-    """Return an ISO time as seconds since 1970 (UTC without a zone), NaN for other texts."""
-    found = moment((text or "").strip(), "iso")
-    return math.nan if found is None else found.ns / NS
 
 
 def _speed(
