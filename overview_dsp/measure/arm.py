@@ -8,6 +8,7 @@ felt range of the intensity curve.
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -145,8 +146,10 @@ class ArmReport(Report):
         for stroke in data["strokes"]:
             for lag in ("lag_ms", "lag_percent"):
                 stroke[lag] = dict(zip(("median", "p95", "worst"), stroke[lag], strict=True))
-        of = ("target", "turns_back_at"), ("hz", "crossings", "followed", "felt")
-        for name, keys in zip(("taps", "scrubs"), of, strict=True):
+        for name, keys in (
+            ("taps", ("target", "turns_back_at")),
+            ("scrubs", ("hz", "crossings", "followed", "felt")),
+        ):
             data[name] = [dict(zip(keys, row, strict=True)) for row in data[name]]
         data["curve_db"] = dict(zip(("lowest", "median"), data["curve_db"], strict=True))
         return data
@@ -234,8 +237,8 @@ def arm_report(
     main, weakest = main_kinds(preset, timelines)
     scrubs = []
     for done, hz in enumerate(SCRUB_HZ, 1):
-        found = [both for one in scrubbed(preset, timelines, main, hz) for both in one]
-        followed, felt = (sum(one[i] for one in found) for i in (0, 1))
+        found = list(itertools.chain.from_iterable(scrubbed(preset, timelines, main, hz)))
+        followed, felt = (sum(crossing[i] for crossing in found) for i in (0, 1))
         scrubs.append((hz, len(found), followed, felt))
         progress((len(all_gestures) + done) / parts)
     ranges = [felt_range_db(one) for one in tables[CURVE] if one.timeline.intensity is not None]
@@ -283,10 +286,8 @@ def outward(
 def percentiles(values: FloatArray) -> Triple:
     """Return median, 95th percentile and maximum of the finite values; NaN without any."""
     known = values[np.isfinite(values)]
-    if not len(known):
-        return (np.nan, np.nan, np.nan)
-    median, most, worst = np.percentile(known, [50.0, 95.0, 100.0]).tolist()
-    return (median, most, worst)
+    median, most, worst = np.percentile(known if len(known) else np.nan, [50.0, 95.0, 100.0])
+    return float(median), float(most), float(worst)
 
 
 def _stroke(
@@ -316,15 +317,16 @@ def _count(parts: Iterable[BoolArray]) -> int:
 
 def felt_above(one: FeltEvents, rows: BoolArray, weakest: str) -> BoolArray:
     """Return which rows are detected and stronger than every distant event of the weakest kind."""
-    on = one.reached & rows
+    reached = one.reached & rows
     gap_s = MIN_PULSE_GAP_MS / 1e3
-    first_s, last_s = one.first_s[on], one.last_s[on]
-    below = -np.inf
+    first_s, last_s = one.first_s[reached], one.last_s[reached]
+    highest_db = -np.inf  # of the distant events of the weakest kind
     for row in np.flatnonzero(one.of(weakest) & one.reached & ~rows).tolist():
         near = (one.first_s[row] < last_s + gap_s) & (first_s < one.last_s[row] + gap_s)
         if not near.any():
-            below = max(below, float(one.level_db[row]))
-    return np.asarray(on & one.detected & (np.nan_to_num(one.level_db, nan=-np.inf) > below))
+            highest_db = max(highest_db, float(one.level_db[row]))
+    level_db = np.nan_to_num(one.level_db, nan=-np.inf)
+    return np.asarray(reached & one.detected & (level_db > highest_db))
 
 
 def spread_db(one: FeltEvents, kind: str, last: float = 1.0) -> float:

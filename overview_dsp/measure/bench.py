@@ -110,7 +110,8 @@ def run_in_turn(
     for contender, speeds in zip(contenders, found, strict=True):
         base = first.setdefault(contender.group, speeds)
         ratios = [speed / other for speed, other in zip(speeds, base, strict=True)]
-        figures = (f(each) for each in (speeds, ratios) for f in (statistics.median, min, max))
+        summaries = statistics.median, min, max
+        figures = (summary(each) for each in (speeds, ratios) for summary in summaries)
         rows.append(Row(contender.group, contender.name, *figures))
     return rows
 

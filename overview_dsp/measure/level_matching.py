@@ -45,11 +45,10 @@ LEAST_DENSITY_HZ, LEAST_RHYTHM = 1.0, 0.2
 """Values that are added before ratios are taken: the lowest density that is a rhythm, one pulse per
 second, and the lowest spread that is uneven, a fifth of a pause."""
 
-RISE_S = 0.030
-_FFT = 2048
-_LOUD_DB = 20.0
+RISE_S = 0.030  # time before a pulse in which its steepest rise is sought, s
+_FFT = 2048  # frames of a spectrum of the click
+_LOUD_DB = 20.0  # range below the highest level in which spectra and clicks count
 _DECAY_DB = 12.0
-
 
 MATCHED_DB = 1.0
 """Largest difference of matched levels, below what a hand or an ear notices."""
@@ -250,16 +249,16 @@ def _features(result: RenderResult, start: int, stop: int) -> PerceptualFeatures
     peaks = pulse_indices(level)
     pauses = np.diff(peaks)
     reach = round(RISE_S / PULSE_HOP_S)
-    befores = [level[max(0, peak - reach) : peak + 1] for peak in peaks]
-    rises = [np.diff(before).max() / PULSE_HOP_S for before in befores if len(before) > 1]
-    lasts = [near_peak(level, int(peak), FALL_DB) * PULSE_HOP_S * 1000.0 for peak in peaks]
+    onsets = [level[max(0, peak - reach) : peak + 1] for peak in peaks]
+    rises = [np.diff(onset).max() / PULSE_HOP_S for onset in onsets if len(onset) > 1]
+    durations = [near_peak(level, int(peak), FALL_DB) * PULSE_HOP_S * 1000.0 for peak in peaks]
     seconds = (stop - start) / rate
     brightness, decay = _timbre(result, start, stop)
     return PerceptualFeatures(
         float(np.median(rises)) if rises else math.nan,
         len(peaks) / seconds,
         float(np.std(pauses) / np.median(pauses)) if len(pauses) > 2 else math.nan,
-        float(np.median(lasts)) if lasts else math.nan,
+        float(np.median(durations)) if durations else math.nan,
         result.engine.preset.number("tactor.frequency_hz"),
         brightness,
         decay,
@@ -278,11 +277,11 @@ def _timbre(result: RenderResult, start: int, stop: int) -> tuple[float, float]:
         return math.nan, math.nan
     loud = total >= total.max() * 10.0 ** (-_LOUD_DB / 10.0)
     pitch = np.fft.rfftfreq(_FFT, 1.0 / rate)
-    middle = (power[loud] @ pitch) / total[loud]
+    centroids = (power[loud] @ pitch) / total[loud]
     level = window_db(result.samples[start:stop, CLICK], rate, PULSE_HOP_S)[1]
     decays = []
     for peak in pulse_indices(level):
         below = np.flatnonzero(level[peak:] <= level[peak] - _DECAY_DB)
         if len(below) and level[peak] >= level.max() - _LOUD_DB:
             decays.append(below[0] * PULSE_HOP_S * 1000.0)
-    return float(np.median(middle)), float(np.median(decays)) if decays else math.nan
+    return float(np.median(centroids)), float(np.median(decays)) if decays else math.nan

@@ -1,9 +1,9 @@
 """Onset detector: times at which a signal suddenly gets louder.
 
 The signal is high-passed at 250 Hz to remove rumble. Its level is taken over 2 ms Hann windows
-every 0.25 ms. An onset is a rise of the level by at least 9 dB over the highest of the 8 ms before,
-above a floor. Its time is the steepest point of the rise, and its strength the highest level of the
-5 ms from there. Onsets closer than 5 ms count as one, at the steepest of them.
+every 0.25 ms. An onset is a rise of the level by at least 9 dB over the highest of the 8 ms up to
+1 ms before, above a floor. Its time is the steepest point of the rise, and its strength the highest
+level of the 5 ms from there. Onsets closer than 5 ms count as one, at the steepest of them.
 """
 
 from __future__ import annotations

@@ -37,37 +37,37 @@ def plot_preset(preset: Preset) -> Figure:
 def plot_gallery(result: RenderResult, preset: Preset) -> Figure:
     """Plot click and vibration of each kind of event, in the order of the render."""
     figure = new_figure(11.0, 4.6)
-    heard, felt = figure.subplots(2, 1, sharex=True)
+    click, tactor = figure.subplots(2, 1, sharex=True)
     rate, trace = result.sample_rate, result.trace
     # only the outward stroke: the recoil repeats it backwards
     count = int(np.argmax(trace.engaged < 0.5)) or len(trace.time)
     time = trace.time[:count]
-    heard.plot(*extremes(time, result.samples[:count, 0].astype(float)), color=BLUE, linewidth=0.7)
-    heard.set_ylabel("click")
+    click.plot(*extremes(time, result.samples[:count, 0].astype(float)), color=BLUE, linewidth=0.7)
+    click.set_ylabel("click")
     level = 20.0 * np.log10(np.maximum(trace.envelope[:count], 1e-4))
-    felt.plot(*extremes(time, level), color=VERMILION, linewidth=1.0)
-    felt.set_ylabel("vibration, dB")
-    felt.set_ylim(-60.0, 3.0)
-    felt.set_xlabel("time, s")
+    tactor.plot(*extremes(time, level), color=VERMILION, linewidth=1.0)
+    tactor.set_ylabel("vibration, dB")
+    tactor.set_ylim(-60.0, 3.0)
+    tactor.set_xlabel("time, s")
     seen: set[str] = set()
     strikes = result.strikes.of_events()
     for at, event in zip(strikes.time_s, strikes.event, strict=True):
         if at * rate >= count:
             continue
-        for axes in (heard, felt):
+        for axes in (click, tactor):
             axes.axvline(at, color=GREY, linewidth=0.5, zorder=0)
         kind = result.engine.timeline.events[event].kind
         if kind not in seen:
             seen.add(kind)
-            heard.annotate(
-                kind, (at, 1.0), xycoords=heard.get_xaxis_transform(), xytext=(0, 3),
+            click.annotate(
+                kind, (at, 1.0), xycoords=click.get_xaxis_transform(), xytext=(0, 3),
                 textcoords="offset points", rotation=35.0, fontsize=7, va="bottom",
             )  # fmt: skip
-    for axes in (heard, felt):
+    for axes in (click, tactor):
         tidy(axes)
     figure.suptitle(f"{preset.title}: {preset.description}", x=0.01, ha="left", fontsize=10)
     figure.subplots_adjust(left=0.085, right=0.985, top=0.79, bottom=0.11, hspace=0.1)
-    figure.align_ylabels((heard, felt))
+    figure.align_ylabels((click, tactor))
     return figure
 
 

@@ -57,9 +57,9 @@ MOST_HEIGHT, MOST_WIDTH = 8.0, 2.0
 
 LOG_PER_DB = 0.19  # change of a height's logarithm per dB of level, compressed by 0.6 dB per dB
 
-TRIES, TRIES_APART = 60, 2000  # tries of the search
+TRIES, TRIES_SEPARATE = 60, 2000  # tries of the search for a target, and for separate kinds
 GUESSES = 3  # first tries, which raise each kind of a target by its shortfall
-TOGETHER = 0.15  # share of the tries that change all kinds at once
+ALL_AT_ONCE = 0.15  # share of the tries that change all kinds
 
 SPREAD = (0.3, 0.15)
 """Standard deviations of a try, in logarithms of the height's and the width's ratio."""
@@ -448,7 +448,7 @@ class _Search:
         """Search; return the best moves."""
         moves, everything = np.zeros(2 * len(self.names)), np.arange(len(self.names))
         feels = self.measured(self.preset, self.names)
-        costs, tries = self._costs(feels), TRIES_APART if self.separate else TRIES
+        costs, tries = self._costs(feels), TRIES_SEPARATE if self.separate else TRIES
         for count in range(tries):
             if costs.sum() < GOOD:
                 break
@@ -458,7 +458,7 @@ class _Search:
             else:
                 which = np.array([rng.choice(len(costs), p=costs / costs.sum())])
                 tried = moves.copy()
-                if rng.random() < TOGETHER:
+                if rng.random() < ALL_AT_ONCE:
                     which = everything  # the other kinds move too
                 height, width = rng.choice([1.0, 0.3]) * rng.normal(0.0, SPREAD)
                 tried[which] += height
@@ -467,9 +467,9 @@ class _Search:
             if (preset := self.moved(tried)) is None:
                 continue
             felt = self.measured(preset, [self.names[i] for i in which])
-            now = {where: {**kinds, **felt.get(where, {})} for where, kinds in feels.items()}
-            if (cost := self._costs(now)).sum() < costs.sum():
-                moves, feels, costs = tried, now, cost
+            changed = {at: {**kinds, **felt.get(at, {})} for at, kinds in feels.items()}
+            if (cost := self._costs(changed)).sum() < costs.sum():
+                moves, feels, costs = tried, changed, cost
         return moves
 
 

@@ -65,7 +65,7 @@ def test_separated_kinds_are_all_distinct():
 @pytest.mark.usefixtures("few_strokes")
 @pytest.mark.parametrize("apart", [False, True])
 def test_a_search_gives_the_same_preset_for_a_seed(monkeypatch, apart):
-    for name in ("TRIES", "TRIES_APART"):
+    for name in ("TRIES", "TRIES_SEPARATE"):
         monkeypatch.setattr(tuning, name, 6)  # however far it comes
     preset = preset_of(a=20.0, d=20.0)
     one, again, other = (tune(preset, ("a", "d"), None, apart, seed).preset for seed in (1, 1, 2))

@@ -38,9 +38,9 @@ def add_sensory_noise(
     found = features.copy()
     known = {name: noise for group in FEATURES.values() for name, noise in group.items()}
     for column, name in enumerate(names):
-        for how, deviation in known[name].items():
+        for noise_type, deviation in known[name].items():
             noise = deviation * rng.standard_normal(len(found))
-            if how == "relative_noise":
+            if noise_type == "relative_noise":
                 found[:, column] *= np.exp(noise)
             elif name.startswith(("next_", "last_")):
                 # only where there is a neighbouring pulse, which has a time
@@ -134,8 +134,9 @@ def observe(
     training = strokes_of(random_timelines(preset, learned, seed), seed)
     evaluated = {}
     if held_out:
-        other = seed + _HELD_OUT_SEED
-        evaluated["random timelines"] = strokes_of(random_timelines(preset, held_out, other), other)
+        test_seed = seed + _HELD_OUT_SEED
+        drawn = random_timelines(preset, held_out, test_seed)
+        evaluated["random timelines"] = strokes_of(drawn, test_seed)
     if timelines:
         evaluated["timelines given"] = strokes_of(timelines, seed + 2 * _HELD_OUT_SEED)
     scores: dict[str, dict[str, dict[Modality, StrokeScores]]] = {name: {} for name in evaluated}
@@ -144,8 +145,8 @@ def observe(
         for modality in modalities:
             rng = np.random.default_rng([seed, number, MODALITIES.index(modality)])
             forest, names = train_observer(training[stroke], modality, kinds, rng)
-            for name, every in evaluated.items():
-                result = evaluate_observer(every[stroke], modality, kinds, forest, names, rng)
+            for name, strokes in evaluated.items():
+                result = evaluate_observer(strokes[stroke], modality, kinds, forest, names, rng)
                 scores[name].setdefault(stroke, {})[modality] = result
             step(_RENDERS_PER_MODEL)
     counts = {"random timelines": held_out, "timelines given": len(timelines)}

@@ -138,7 +138,7 @@ TOUCH_RATE, SOUND_RATE = 16_000.0, 48_000.0
 """Sample rates, Hz. The vibration is the same at both; clicks need the higher one."""
 
 _SLOWEST = 0.02  # lowest pace, in timelines per second; a slower input rests
-_PACE_OVER_S = 0.05
+_PACE_OVER_S = 0.05  # time over which the pace is taken, s
 
 
 @dataclass(frozen=True, eq=False)
@@ -235,7 +235,7 @@ def log_pace(gesture: Gesture) -> FloatArray:
 
 SWEEP_S = (1.5, 6.0)  # duration of a steady movement of the mean pace, s; its logarithm is uniform
 PACE_CHANGE = 0.6  # standard deviation of the logarithm of the pace of a segment
-SEGMENT_S = (0.25, 0.9)
+SEGMENT_S = (0.25, 0.9)  # range of the duration of a segment of equal pace, s
 PAUSE_SHARE, PAUSE_S = 0.15, (0.15, 0.8)
 RETURN_SHARE, RETURN_BY = 0.12, (0.03, 0.15)
 """Shares of segments that pause or return; distance of a return as a share of the timeline."""
