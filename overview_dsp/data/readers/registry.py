@@ -278,7 +278,10 @@ def _of_memory(data: object, times: object, options: LoadOptions) -> Timeline:
 
     The format is detected from the first rows, written to a CSV file.
     """
-    if _is_sound(times, options) and (samples := samples_of(data)) is not None:
+    is_fast = options.rate is not None and options.rate >= MIN_SOUND_RATE
+    of_series = times is not None or options.value is not None
+    may_be_sound = is_fast and not of_series and options.map in (None, *audio_reader.MAPS)
+    if may_be_sound and (samples := samples_of(data)) is not None:
         _refuse_options(options, "a sound", frozenset({"rate", "map"}) | LIMITS)
         return audio_reader.read_samples(samples, options)
     if isinstance(data, ColumnTable):
@@ -310,13 +313,6 @@ def _of_memory(data: object, times: object, options: LoadOptions) -> Timeline:
             return found.read(written(table.rows) if table.rows > most else source, options)
     with validation.prefix_errors(f"{where}: "):
         return series_reader.series_timeline(table, options)
-
-
-def _is_sound(times: object, options: LoadOptions) -> bool:
-    """Return whether samples of this rate are a sound: by their rate, without a map of series."""
-    if times is not None or options.rate is None or options.rate < MIN_SOUND_RATE:
-        return False
-    return options.value is None and options.map in (None, *audio_reader.MAPS)
 
 
 def _require_table(data: object, what: str) -> None:

@@ -209,7 +209,11 @@ def _calendar(unit: str, start: datetime, duration_s: float) -> Iterator[Event]:
         time_s = (moment - start).total_seconds()
         if time_s >= duration_s:
             return
-        kind = _dated_kind(unit, moment)
+        kind = unit
+        if unit == "decade" and moment.year % 100 == 0:
+            kind = "century"
+        elif unit == "month" and moment.month == 1:
+            kind = "year"
         yield Event(time_s, kind, _label(kind, moment))
 
 
@@ -227,15 +231,6 @@ def _begins(unit: str, start: datetime) -> Iterator[datetime]:
                 yield datetime(month // 12, month % 12 + 1, 1)
     except (ValueError, OverflowError):
         return
-
-
-def _dated_kind(unit: str, at: datetime) -> str:
-    """Return the coarsest span that begins here, for months at most a year."""
-    if unit == "decade" and at.year % 100 == 0:
-        return "century"
-    if unit == "month" and at.month == 1:
-        return "year"
-    return unit
 
 
 def _kind(step_s: float, at: datetime) -> str:

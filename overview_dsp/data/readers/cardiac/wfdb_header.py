@@ -152,7 +152,11 @@ def parse_header(text: str, path: Path) -> Header:
     with validation.prefix_errors(f"line {number}: "):
         found = _match(_RECORD, line, "a record line", "100 2 360 650000")
         count = _whole(found["signals"], "the number of signals", MAX_SIGNALS)
-        rate = _rate(found["rate"])
+        written = found["rate"]
+        rate = DEFAULT_RATE if written is None else as_number(written)
+        if rate is None or not 1e-3 <= rate <= 1e6:
+            raise InputError(f"the rate is {quoted(written)}; must be 0.001 to 1000000 Hz")
+        rate = float(rate)
         frames = _whole(found["length"], "the length", 10**15) if found["length"] else None
         # a layout header, which names the signals of a record in segments, has no frames
         if frames == 0 and not all(f"\n{NO_FILE} " in f"\n{line}" for _, line in lines[1:]):
@@ -283,15 +287,6 @@ def _whole(digits: str | None, name: str, maximum: int) -> int:
     if not re.fullmatch(r"\d+", digits, re.ASCII) or len(digits) > 18 or int(digits) > maximum:
         raise InputError(f"{name} is {quoted(digits)}; must be a whole number up to {maximum}")
     return int(digits)
-
-
-def _rate(text: str | None) -> float:
-    if text is None:
-        return DEFAULT_RATE
-    rate = as_number(text)
-    if rate is None or not 1e-3 <= rate <= 1e6:
-        raise InputError(f"the rate is {quoted(text)}; must be 0.001 to 1000000 Hz")
-    return float(rate)
 
 
 def _start(clock: str | None, day: str | None) -> datetime | None:

@@ -251,7 +251,10 @@ def _match_event(
     row: _Row, minute: Minute, kind: str, detail: str, clock: Clock, teams: list[str], scores: bool
 ) -> MatchEvent:
     """Return the event of a row; `scores`: the team of an own goal is the one that scores."""
-    team = team_index(_team_name(row), teams, row.location)
+    name, home, away = row.get("team"), row.get("home"), row.get("away")
+    if home and away and name not in (home, away):  # the column has `home` and `away`
+        name = home if name.lower() in _HOME else away if name.lower() in _AWAY else name
+    team = team_index(name, teams, row.location)
     if kind == "own_goal" and not scores and team is not None:
         team = 1 - team if len(teams) == 2 else None
     player = short_name(row.get("player"))
@@ -262,14 +265,6 @@ def _match_event(
         detail = text or detail
     written = str(minute) if minute.seconds is None else ""
     return MatchEvent(clock.time_s(minute), kind, team, player, detail, written, row.location)
-
-
-def _team_name(row: _Row) -> str:
-    """Return the team of a row, with `home` and `away` replaced by the names in the row."""
-    name, home, away = row.get("team"), row.get("home"), row.get("away")
-    if home and away and name not in (home, away):
-        return home if name.lower() in _HOME else away if name.lower() in _AWAY else name
-    return name
 
 
 def _teams(rows_: Sequence[_Row]) -> list[str]:

@@ -11,7 +11,6 @@ from __future__ import annotations
 import math
 import zipfile
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
 from dataclasses import replace
 from typing import IO, Any
 
@@ -180,7 +179,7 @@ class ParquetTable(Table):
 
         self._arrow: Any = arrow
         self._path = str(source.path)
-        with _one_line_errors():
+        with library_errors(_broken):
             file = arrow.parquet.ParquetFile(self._path, memory_map=False)
             with file:
                 schema = file.schema_arrow
@@ -207,7 +206,7 @@ class ParquetTable(Table):
         names = [self._names[i] for i in columns]
         first = 1
         with (
-            _one_line_errors(),
+            library_errors(_broken),
             self._arrow.parquet.ParquetFile(
                 self._path, memory_map=False, buffer_size=1 << 20, pre_buffer=False
             ) as file,
@@ -255,15 +254,7 @@ class ParquetTable(Table):
         return list(column.to_pylist())
 
 
-@contextmanager
-def _one_line_errors() -> Iterator[None]:
-    """Convert errors of pyarrow to an InputError of one line."""
-    try:
-        yield
-    except InputError:  # a ValueError too
-        raise
-    except (OSError, ValueError, MemoryError, TypeError, NotImplementedError) as error:
-        first = str(error).strip().split("\n")[0][:160] or type(error).__name__
-        raise InputError(
-            f"broken or unknown Parquet ({first}); get the file again, or save the table as CSV"
-        ) from error
+def _broken(error: Exception) -> str:
+    """Return the message for an error of pyarrow, in one line."""
+    first = str(error).strip().split("\n")[0][:160] or type(error).__name__
+    return f"broken or unknown Parquet ({first}); get the file again, or save the table as CSV"

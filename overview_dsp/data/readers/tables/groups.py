@@ -9,7 +9,7 @@ column only, or `country=*` for all rows as one series, if their times differ.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence, Set
+from collections.abc import Iterator, Mapping, Sequence
 from itertools import pairwise
 from typing import Any
 
@@ -215,15 +215,14 @@ def require_single_series(
         return
     seconds, codes, names = _coded(table, time, others)
     rows = len(seconds)
-    several = [i for i in codes if 1 < len(names[i]) <= max(2, rows // 2)]
-    told = {i: codes[i] for i in several}
-    named = {i for i in told if is_group(table.columns[i], head[i])}
-    keys = [] if events else _keys(seconds, told, named, numbers)
-    distinct = bool(keys)  # rows of one time can't be one series
+    candidates = {i: code for i, code in codes.items() if 1 < len(names[i]) <= max(2, rows // 2)}
+    named = [i for i in candidates if is_group(table.columns[i], head[i])]
+    keys = [] if events else _keys(seconds, candidates, named, numbers)
+    share_times = bool(keys)  # rows of one time can't be one series
     if not keys and None not in texts_of.values():
-        keys = _restarts(seconds, told)
+        keys = _restarts(seconds, candidates)
         if not keys and not events:
-            keys = [i for i in several if is_group(table.columns[i], head[i])][:1]
+            keys = named[:1]
     if not keys:
         return
     combined = list(dict.fromkeys(zip(*(codes[i].tolist() for i in keys), strict=True)))
@@ -234,7 +233,7 @@ def require_single_series(
     column = f"column{'s' * (len(keys) > 1)} {' and '.join(map(quoted, headers))}"
     first = zip((*selected, *keys), (*selected.values(), *texts[0]), strict=True)
     chosen = ", ".join(f"{table.columns[i].header}={text}" for i, text in first)
-    joined = "" if distinct else f", or {quoted(headers[0] + '=*')} for all rows as one series"
+    joined = "" if share_times else f", or {quoted(headers[0] + '=*')} for all rows as one series"
     raise InputError(
         f"{column} distinguish{'es' * (len(keys) == 1)} {len(texts)} series ({examples}{more}); "
         f"choose one with match (--select {quoted(chosen)}{joined}), or convert each with --group "
@@ -281,30 +280,28 @@ def _coded(
     return np.concatenate(seconds or [np.empty(0)]), codes, {i: list(names[i]) for i in codes}
 
 
-def _keys(seconds: FloatArray, codes: dict[int, Codes], named: Set[int], exact: bool) -> list[int]:
+def _keys(
+    seconds: FloatArray, codes: dict[int, Codes], named: Sequence[int], exact: bool
+) -> list[int]:
     """Return the columns that tell rows of equal times apart; with `exact`, all such rows.
 
     `named` are those that are called like groups.
     """
     rows, moments = len(seconds), _numbered(seconds)
-    repeats = rows - int(moments.max(initial=-1)) - 1
+    distinct = _count(moments)
+    repeats = rows - distinct
     keys: list[int] = []
-    best = 0
+    best = 0  # number of repeated times whose rows the keys tell apart
     while best < repeats and len(keys) < _MOST_KEYS:
-        told = {
-            i: _count(moments, *(codes[k] for k in (*keys, i))) - (rows - repeats)
-            for i in codes
-            if i not in keys
-        }
-        if not told:
-            break
+        others = [i for i in codes if i not in keys]
+        told = {i: _count(moments, *(codes[k] for k in (*keys, i))) - distinct for i in others}
         # of columns that tell as much, one that is called so, then the first
-        i = max(told, key=lambda i: (told[i], i in named, -i))
-        if told[i] <= best:
+        i = max(told, key=lambda i: (told[i], i in named, -i), default=-1)
+        if told.get(i, 0) <= best:
             break
         keys, best = [*keys, i], told[i]
     enough = best == repeats if exact else 2 * best >= repeats
-    if enough and (not named.isdisjoint(keys) or repeats > MANY_REPEATS * rows):
+    if enough and (not set(named).isdisjoint(keys) or repeats > MANY_REPEATS * rows):
         return sorted(keys)
     return []
 

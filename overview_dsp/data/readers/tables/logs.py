@@ -86,27 +86,22 @@ class LogTable(Table):
         """Read the times; None for a line without time."""
         encoding = encoding_of(self._source) or "utf-8"
         lines = Lines(self._source, encoding)
-        rest = iter(lines)
+        times: Iterator[str | None] = (_time_in(self._form, line) for line in lines)
+        if self._form == "short":
+            times = _with_years(times)
         first = 1
-        years = _Years()
-        while part := list(islice(rest, CHUNK_ROWS)):
-            times = [_time_in(self._form, line) for line in part]
-            if self._form == "short":
-                times = list(map(years.with_year, times))
-            yield Chunk((times,), first, None, lines.part)
+        while part := list(islice(times, CHUNK_ROWS)):
+            yield Chunk((part,), first, None, lines.part)
             first += len(part)
 
 
-class _Years:
-    """Adds years to times without year: the next year begins when January follows December."""
-
-    def __init__(self) -> None:
-        self._year, self._month = _FIRST_YEAR, 0
-
-    def with_year(self, time: str | None) -> str | None:
+def _with_years(times: Iterator[str | None]) -> Iterator[str | None]:
+    """Yield times with their year: the next year begins when January follows December."""
+    year, month = _FIRST_YEAR, 0
+    for time in times:
         if time is None:
-            return None
+            yield None
+            continue
+        year += int(time[5:7]) < month - 6
         month = int(time[5:7])
-        self._year += month < self._month - 6
-        self._month = month
-        return f"{self._year}{time[4:]}"
+        yield f"{year}{time[4:]}"

@@ -120,7 +120,13 @@ def samples_of(data: Any) -> FloatArray | None:
 def csv_text(table: ColumnTable, rows: int) -> str:
     """Return the header and the first rows as CSV."""
     lines = [",".join(_field(column.header) for column in table.columns)]
-    texts = [_texts(table.cut(i, 0, rows), column) for i, column in enumerate(table.columns)]
+    texts = []
+    for i, column in enumerate(table.columns):
+        cells = table.cut(i, 0, rows)
+        if isinstance(cells, np.ndarray) and cells.dtype.kind == "M":
+            texts.append(_dated_texts(cells, column))
+        else:
+            texts.append([_text(cell) for cell in as_list(cells)])
     lines += map(",".join, zip(*texts, strict=True))
     return "\n".join(lines) + "\n"
 
@@ -263,14 +269,8 @@ def _numbered(count: int) -> list[str]:
     return ["value"] if count == 1 else [f"column {i}" for i in range(1, count + 1)]
 
 
-def _texts(cells: Cells, column: Column) -> list[str]:
-    """Return cells as fields of a CSV file."""
-    if isinstance(cells, np.ndarray) and cells.dtype.kind == "M":
-        return _dated_texts(cells, column)
-    return [_text(cell) for cell in as_list(cells)]
-
-
 def _text(cell: Any) -> str:
+    """Return a cell as a field of a CSV file."""
     if cell is None or cell != cell:
         return ""
     # whole numbers in a column with missing values are floats

@@ -149,7 +149,10 @@ def _clock_format(column: Column, texts: list[str], most: Callable[[int], bool])
     of_day = most(sum(day_clock_s(text) is not None for text in texts))
     has_am_pm = most(sum(text[-1:] in "mM." for text in texts))
     running = most(sum(clock_s(text) is not None for text in texts))
-    if of_day and (has_am_pm or _names_time_of_day(column)):
+    unit = re.sub(r"[^a-z0-9]", "", column.unit.lower())
+    is_named = unit in ("hhmm", "hmm", "24h", "12h", "localtime")
+    is_named = is_named or column.plain.startswith(NAMES["time_of_day_prefixes"])
+    if of_day and (has_am_pm or is_named):
         form, as_read, other, as_other = "hhmm", "hours:minutes", "clock", "minutes:seconds"
     elif running:
         form, as_read, other, as_other = "clock", "minutes:seconds", "hhmm", "hours:minutes"
@@ -163,12 +166,6 @@ def _clock_format(column: Column, texts: list[str], most: Callable[[int], bool])
         f"times such as {example} are read as {as_read}; "
         f"time='{column.header}:{other}' (--time-column) reads them as {as_other}",
     )
-
-
-def _names_time_of_day(column: Column) -> bool:
-    unit = re.sub(r"[^a-z0-9]", "", column.unit.lower())
-    of_day = unit in ("hhmm", "hmm", "24h", "12h", "localtime")
-    return of_day or column.plain.startswith(NAMES["time_of_day_prefixes"])
 
 
 def settle_order(texts: Iterator[tuple[int, str]]) -> tuple[str, int | None]:
