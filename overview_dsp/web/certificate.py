@@ -39,9 +39,9 @@ def user_certificate(names: Iterable[str]) -> Path:
     stored = _names(path)
     if stored is None or not set(required) <= set(stored):
         # earlier names stay: a laptop alternates between networks
-        both = list(dict.fromkeys([*required, *(stored or ())]))[:MAX_NAMES]
+        all_names = list(dict.fromkeys([*required, *(stored or ())]))[:MAX_NAMES]
         make_folder(path.parent)
-        write_file(path, make_certificate(both), private=True)
+        write_file(path, make_certificate(all_names), private=True)
     return path
 
 

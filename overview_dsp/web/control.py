@@ -35,7 +35,7 @@ MAX_EVENTS_PER_SECOND = 2000.0
 """Twice the maximum rate of an input; as many may arrive at once."""
 
 MAX_MESSAGES_PER_SECOND = 500.0
-MALFORMED, TOO_MANY = 1007, 1008
+MALFORMED, TOO_MANY = 1007, 1008  # codes with which a connection is closed
 
 
 class _RateLimit:

@@ -130,15 +130,18 @@ class HttpConnection(_SlowReaderLimit, H11Protocol):
         """Enforce the limits, then start the deadline for a request."""
         super().connection_made(transport)
         others = [one for one in self.connections if one is not self and is_open(one)]
-        same = [one for one in others if address_of(one) == address_of(self)]
-        group = same if len(same) >= self._limit_per_address else others
-        if group is same or len(others) >= self._limit:
-            known = [one for one in group if isinstance(one, HttpConnection)]
-            idle = [one for one in known if one._idle_since is not None]
+        of_client = [one for one in others if address_of(one) == address_of(self)]
+        group = of_client if len(of_client) >= self._limit_per_address else others
+        if group is of_client or len(others) >= self._limit:
+            idle = {
+                one: one._idle_since
+                for one in group
+                if isinstance(one, HttpConnection) and one._idle_since is not None
+            }
             if not idle:
                 transport.abort()
                 return
-            min(idle, key=lambda one: one._idle_since or 0.0).transport.abort()
+            min(idle, key=idle.__getitem__).transport.abort()
         self._start_deadline()
 
     def data_received(self, data: bytes) -> None:

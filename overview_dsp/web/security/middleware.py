@@ -42,7 +42,7 @@ def host_is_ours(
     host: str, scheme: str, arrived_at: tuple[str, int], names: Collection[str]
 ) -> bool:
     """Return whether a Host header names the address of arrival or one of `names`."""
-    name, port = _parts(host, PORTS[scheme])
+    name, port = _split_host(host, PORTS[scheme])
     address = _address(arrived_at[0])
     if name is None or port != arrived_at[1] or address is None:
         return False
@@ -66,7 +66,7 @@ def origin_is_ours(headers: Mapping[str, str], scheme: str, is_required: bool) -
     return headers.get("sec-fetch-site", "same-origin") in ("same-origin", "none")
 
 
-def _parts(host: str, default: int) -> tuple[str | None, int]:
+def _split_host(host: str, default: int) -> tuple[str | None, int]:
     """Return name (lower case, without brackets) and port of a Host header; None if invalid."""
     name, colon, port = host.lower().rpartition(":")
     if not colon or name.count("[") != name.count("]"):  # no port, or a colon inside brackets
