@@ -87,16 +87,12 @@ class Commands(click.Group):
         """List the commands without importing them."""
         rows = dict(COMMANDS)
         for name, point in added_commands().items():
-            rows.setdefault(name, _summary(point))
+            summary = point.dist.metadata["Summary"] if point.dist is not None else None
+            rows.setdefault(name, summary or f"of {point.value}")
         for name in SEPARATE_COMMANDS:
             rows.setdefault(name, f"Not installed: overview {name} shows how to install it.")
         with formatter.section("Commands"):
             formatter.write_dl([*rows.items()])
-
-
-def _summary(point: EntryPoint) -> str:
-    found = point.dist.metadata["Summary"] if point.dist is not None else None
-    return found or f"of {point.value}"
 
 
 def _added_by(point: EntryPoint) -> str:
@@ -113,14 +109,6 @@ def _added_by(point: EntryPoint) -> str:
 @click.option("--debug", is_flag=True, help="Show a traceback when something fails.")
 def app(debug: bool) -> None:
     """Feel a timeline: any temporal data become friction, which is heard and felt."""
-
-
-def _file_hint(error: click.UsageError) -> str:
-    """Return a hint if an unknown option is an existing file."""
-    if not isinstance(error, click.exceptions.NoSuchOption):
-        return ""
-    files = [one for one in sys.argv[1:] if one.startswith("-") and os.path.exists(one)]
-    return f" For the file, use ./{files[0]}" if files else ""
 
 
 def _fail(message: str, code: int) -> NoReturn:
@@ -180,9 +168,11 @@ def _run() -> NoReturn:
         sys.exit(2)
     except click.UsageError as error:
         path = error.ctx.command_path if error.ctx else "overview"
-        _fail(
-            f"{' '.join(error.format_message().split())}{_file_hint(error)} (see {path} --help)", 2
-        )
+        message = " ".join(error.format_message().split())
+        files = [word for word in sys.argv[1:] if word.startswith("-") and os.path.exists(word)]
+        if files and isinstance(error, click.exceptions.NoSuchOption):
+            message += f" For the file, use ./{files[0]}"
+        _fail(f"{message} (see {path} --help)", 2)
     except click.ClickException as error:
         _fail(" ".join(error.format_message().split()), error.exit_code)
     except (click.Abort, KeyboardInterrupt):

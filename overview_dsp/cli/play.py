@@ -13,7 +13,7 @@ import click
 
 from overview_dsp.cli.common import note, read_gesture, say
 from overview_dsp.cli.live_session import SECONDS, Session, begin_blind, open_player, play_headless
-from overview_dsp.cli.options.declaring import cli_command, option
+from overview_dsp.cli.options.declaring import cli_command, option, require_none
 from overview_dsp.cli.options.follow import Feed, open_data
 from overview_dsp.cli.options.input import FORCE_BLOCK, Controls, parse_sources
 from overview_dsp.cli.options.output import Output
@@ -121,6 +121,4 @@ def _require_blind(
         "--blind doesn't apply to --remote, whose page shows the preset": remote is not None,
         "--blind doesn't apply to --screen full, which shows the presets": screen == "full",
     }
-    for problem, applies in problems.items():
-        if applies:
-            raise click.UsageError(problem)
+    require_none(problems)

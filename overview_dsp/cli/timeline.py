@@ -100,19 +100,13 @@ def convert(
         (save_events if suffix == ".csv" else ov.save_timeline)(data, path)
         points = len(data.intensity.value) if data.intensity is not None else 0
         kept = 0 if suffix == ".csv" else points
-        left = f"; {points} points of the curve are not in it" if points > kept else ""
-        reports.append(
-            {
-                "file": path,
-                "title": data.title,
-                "duration_s": data.duration_s,
-                "events": len(data.events),
-                "points": kept,
-            }
-        )
+        omitted = f"; {points} points of the curve are not in it" if points > kept else ""
+        counts = {"events": len(data.events), "points": kept}
+        title, duration_s = data.title, data.duration_s
+        reports.append({"file": path, "title": title, "duration_s": duration_s, **counts})
         lines.append(
-            f"{path}: {data.title or '(no title)'}, {span_text(data.duration_s)}, "
-            f"{len(data.events)} events, {kept} points{left}"
+            f"{path}: {title or '(no title)'}, {span_text(duration_s)}, "
+            f"{len(data.events)} events, {kept} points{omitted}"
         )
     show_report(as_json, reports[0] if group is None else {"files": reports}, *lines)
 
@@ -229,14 +223,11 @@ def _gaps(timeline: Timeline) -> str:
     if not timeline.gaps:
         return "none"
     total = span_text(sum(end - start for start, end in timeline.gaps))
+    reasons = timeline.gap_reasons or [""] * len(timeline.gaps)
+    shown = list(zip(timeline.gaps, reasons, strict=True))[:_GAPS_SHOWN]
     first = "; ".join(
-        f"{_moment(timeline, start)} to {_moment(timeline, end)}{_reason(timeline, i)}"
-        for i, (start, end) in enumerate(timeline.gaps[:_GAPS_SHOWN])
+        f"{_moment(timeline, start)} to {_moment(timeline, end)}{f' ({reason})' if reason else ''}"
+        for (start, end), reason in shown
     )
     more = "; ..." if len(timeline.gaps) > _GAPS_SHOWN else ""
     return f"{len(timeline.gaps)}, {total} in all: {first}{more}"
-
-
-def _reason(timeline: Timeline, gap: int) -> str:
-    reason = timeline.gap_reasons[gap] if timeline.gap_reasons else ""
-    return f" ({reason})" if reason else ""

@@ -11,6 +11,7 @@ import pytest
 import soundfile
 
 import overview_dsp as ov
+from overview_dsp.cli.options.output import sample_player
 from overview_dsp.cli.presets import through_player
 from overview_dsp.measure.pictures import audition
 from tests.cli.running import overview, refused
@@ -60,10 +61,9 @@ def test_a_robot_that_hears_is_right_each_time(hears, football, tmp_path, monkey
     pair = through_player.original_and_played(audition(football), "android")
     played = []
 
-    class Sound(through_player.NullSamplePlayer):
-        def __init__(self, samples, sample_rate):
-            super().__init__(samples, sample_rate)
-            played.append(samples)
+    def player(samples, sample_rate, index):
+        played.append(samples)
+        return sample_player(samples, sample_rate, index)
 
     class Robot:
         def __init__(self):
@@ -78,7 +78,7 @@ def test_a_robot_that_hears_is_right_each_time(hears, football, tmp_path, monkey
             assert np.array_equal(a[:, 0], pair[0].astype(np.float32))
             return "B" if hears and np.array_equal(x, b) else "A"
 
-    monkeypatch.setattr(through_player, "NullSamplePlayer", Sound)
+    monkeypatch.setattr(through_player, "sample_player", player)
     monkeypatch.setattr(through_player, "LineReader", Robot)
     path = tmp_path / "answers.csv"
     answers = through_player.compare_blind(pair, 48_000.0, "none", 20, path)

@@ -13,9 +13,8 @@ import click
 import overview_dsp as ov
 from overview_dsp.cli.common import LineReader, announce_compile, note, show
 from overview_dsp.cli.options.declaring import JSON, cli_command, option
-from overview_dsp.cli.options.output import DEVICE, saved_output
+from overview_dsp.cli.options.output import DEVICE, sample_player, saved_output
 from overview_dsp.errors import InputError
-from overview_dsp.live.output.portaudio_library import SILENT
 
 if TYPE_CHECKING:
     from overview_dsp.live.output.settings import OutputSettings
@@ -92,13 +91,7 @@ def _answers(
     repeats: int,
 ) -> list[float]:
     """Play tones; return the levels at which Enter was pressed, dB of the nominal drive."""
-    from overview_dsp.live.output.threshold import (
-        SILENCE_S,
-        NullSamplePlayer,
-        RisingTone,
-        SamplePlayer,
-        find_threshold,
-    )
+    from overview_dsp.live.output.threshold import SILENCE_S, RisingTone, find_threshold
 
     settings, name, rate, index = _output(device, channel)
     out, channels = settings.tactor, settings.channels
@@ -119,8 +112,7 @@ def _answers(
         samples = rise.drive(actuator, out, channels, rate)
         click.echo(f"tone {len(levels) + 1} of {repeats} ...", err=True)
         lines.discard()
-        silent = device == SILENT
-        player = NullSamplePlayer(samples, rate) if silent else SamplePlayer(samples, rate, index)
+        player = sample_player(samples, rate, index)
         level = find_threshold(rise, player, lambda: lines.next() is not None)
         if math.isfinite(level):
             click.echo(f"felt at {level:.1f} dB", err=True)

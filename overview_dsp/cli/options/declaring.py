@@ -190,6 +190,13 @@ def cli_command(
     return decorate
 
 
+def require_none(problems: Mapping[str, object]) -> None:
+    """Raise click.UsageError with the first of these problems that is true."""
+    for problem, applies in problems.items():
+        if applies:
+            raise click.UsageError(problem)
+
+
 def refuse_options(why: str, *refused: str | type) -> None:
     """Refuse options, or groups of options, with an InputError that ends with `why`."""
     from click.core import ParameterSource

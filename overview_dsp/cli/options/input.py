@@ -8,10 +8,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
-import click
-
 from overview_dsp.cli.common import read_gesture
-from overview_dsp.cli.options.declaring import option
+from overview_dsp.cli.options.declaring import option, require_none
 from overview_dsp.errors import InputError, did_you_mean
 from overview_dsp.validation import float_or_nan
 
@@ -62,9 +60,7 @@ class Controls:
             "--replay doesn't apply to --follow; remove one": self.replay and follow is not None,
             "--replay and --input exclude each other; remove one": self.replay and self.input,
         }
-        for problem, applies in problems.items():
-            if applies:
-                raise click.UsageError(problem)
+        require_none(problems)
 
 
 @dataclass

@@ -11,7 +11,9 @@ from overview_dsp.cli.options.declaring import option, parse_pairs
 from overview_dsp.errors import InputError
 
 if TYPE_CHECKING:
+    from overview_dsp.arrays import SampleArray
     from overview_dsp.live.output.settings import Channels, OutputSettings
+    from overview_dsp.live.output.threshold import SamplePlayback
     from overview_dsp.signal.actuators.model import Actuator
     from overview_dsp.signal.actuators.stage import ProtectionReport
 
@@ -25,7 +27,10 @@ SET = option("--set", metavar="KEY=VALUE")
 
 
 def saved_output(device: str | None) -> tuple[OutputSettings, str, float, int | None]:
-    """Return the saved settings of an output device, and its name, rate (Hz) and index."""
+    """Return the saved settings of an output device, and its name, rate (Hz) and index.
+
+    The index is None for no output.
+    """
     from overview_dsp.live.output.devices import find_device
     from overview_dsp.live.output.portaudio_library import SILENT, device_named
     from overview_dsp.live.output.settings import OutputSettings, load_settings
@@ -35,6 +40,13 @@ def saved_output(device: str | None) -> tuple[OutputSettings, str, float, int | 
     found = find_device(device_named(device))
     settings = load_settings(found.full_name, found.channels)
     return settings, found.full_name, found.sample_rate, found.index
+
+
+def sample_player(samples: SampleArray, rate: float, index: int | None) -> SamplePlayback:
+    """Return a player of samples on the output device of an index; None plays without sound."""
+    from overview_dsp.live.output.threshold import NullSamplePlayer, SamplePlayer
+
+    return NullSamplePlayer(samples, rate) if index is None else SamplePlayer(samples, rate, index)
 
 
 def callback_kind() -> Literal["native", "python"]:

@@ -146,7 +146,12 @@ def import_(
     from overview_dsp.offline.export.reading import clips_in, read_clip, with_layer
 
     if check:
-        _check(clip, as_json)
+        faults = ov.export.check_clip(clip)
+        show(as_json, {"clip": clip, "faults": faults}, *([] if faults else [f"{clip}: valid"]))
+        for fault in faults[1:]:
+            click.echo(f"error: {clip}: {fault}", err=True)
+        if faults:
+            raise InputError(f"{clip}: {faults[0]}")
         return
     clips = clips_in(clip, kind)
     protect_inputs(*map(str, clips.values()))
@@ -159,13 +164,3 @@ def import_(
     report = {"file": str(path), "kinds": list(clips), "layer": layer}
     layers = ", ".join(f"{source} as {name}" for name, source in clips.items())
     show(as_json, report, f"{path}: {base} with {layers}")
-
-
-def _check(clip: str, as_json: bool) -> None:
-    """Print all faults of a clip; InputError with the first one."""
-    faults = ov.export.check_clip(clip)
-    show(as_json, {"clip": clip, "faults": faults}, *([] if faults else [f"{clip}: valid"]))
-    for fault in faults[1:]:
-        click.echo(f"error: {clip}: {fault}", err=True)
-    if faults:
-        raise InputError(f"{clip}: {faults[0]}")

@@ -8,11 +8,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from overview_dsp.cli.common import LineReader, say
-from overview_dsp.cli.options.output import saved_output
+from overview_dsp.cli.options.output import sample_player, saved_output
 from overview_dsp.kernels.decibels import gain_of_db
 from overview_dsp.kernels.layout import TACTOR
-from overview_dsp.live.output.portaudio_library import SILENT
-from overview_dsp.live.output.threshold import NullSamplePlayer, SamplePlayback, SamplePlayer
 from overview_dsp.live.session.blind import AbxTrials
 from overview_dsp.offline.export.clip import LEVELS_PER_S
 from overview_dsp.offline.export.writing import played_by
@@ -20,6 +18,7 @@ from overview_dsp.offline.export.writing import played_by
 if TYPE_CHECKING:
     from overview_dsp.arrays import FloatArray, SampleArray
     from overview_dsp.live.output.settings import OutputSettings
+    from overview_dsp.live.output.threshold import SamplePlayback
     from overview_dsp.offline.rendering.offline import RenderResult
 
 PAUSE_S = 0.5
@@ -37,7 +36,7 @@ def original_and_played(result: RenderResult[Any], to: str) -> tuple[FloatArray,
 
 
 def in_turn(pair: tuple[FloatArray, FloatArray], sample_rate: float) -> SampleArray:
-    """Return the original, a pause, and the player's, on both channels, float32 (frames, 2)."""
+    """Return the original, a pause, and the other one, on both channels, float32 (frames, 2)."""
     original, played = pair
     both = np.concatenate([original, np.zeros(round(PAUSE_S * sample_rate)), played])
     return np.repeat(both[:, None], 2, axis=1).astype(np.float32)
@@ -46,7 +45,7 @@ def in_turn(pair: tuple[FloatArray, FloatArray], sample_rate: float) -> SampleAr
 def compare_blind(
     pair: tuple[FloatArray, FloatArray], rate: float, device: str | None, trials: int, path: Path
 ) -> AbxTrials:
-    """Play the original, the player's or X on request, take answers, and write them to a file."""
+    """Play the original (A), that of the format's player (B) or X on request; write the answers."""
     settings, name, _, index = saved_output(device)
     lines, answers = LineReader(), AbxTrials(path)
     playback: SamplePlayback | None = None
@@ -63,11 +62,7 @@ def compare_blind(
             elif line in ("a", "b", "x"):
                 which = pair[answers.x if line == "x" else "ab".index(line)]
                 samples = _on_channels(which, settings)
-                playback = (
-                    NullSamplePlayer(samples, rate)
-                    if device == SILENT
-                    else SamplePlayer(samples, rate, index)
-                )
+                playback = sample_player(samples, rate, index)
                 playback.start()
                 answers.felt_x |= line == "x"
             elif line == "q":
