@@ -123,17 +123,14 @@ def endless_knob(values: list[int]) -> tuple[str, bool] | None:
         directions = [step_of(value, relative) > 0 for value in values]
         first = directions[0]
         turn = directions.index(not first) if (not first) in directions else len(directions)
-        if all(_repeats(half) >= REPEATED for half in (values[:turn], values[turn:])):
+        halves = values[:turn], values[turn:]
+        if all(sum(a == b for a, b in pairwise(half)) >= REPEATED for half in halves):
             return relative, not first
     return None
 
 
 def _are_steps(values: Iterable[int], relative: str) -> bool:
     return all(0 < abs(step_of(value, relative)) <= LARGEST_STEP for value in values)
-
-
-def _repeats(values: list[int]) -> int:
-    return sum(a == b for a, b in pairwise(values))
 
 
 DEVICE = "device"  # target for a device that is turned and sends its orientation

@@ -10,6 +10,7 @@ import math
 import statistics
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 
 from overview_dsp.devices.sensors.app_json import LONGEST, parse_app_batch, parse_json_line
 from overview_dsp.devices.sensors.calibration import HIGHEST_BIAS_DEG_S
@@ -138,10 +139,6 @@ class DetectedFormat:
         return _FORMATS[self.format][0] + ",".join(self.columns)
 
 
-def _text_decoder(counters: Counters, stream: DetectedFormat) -> Decoder:
-    return LineDecoder(counters, lambda line: parse_row(line, stream.columns))
-
-
 def _label_decoder(counters: Counters, stream: DetectedFormat) -> Decoder:
     assert stream.cycle is not None
     return LineDecoder(counters, LabelledReader(stream.cycle).parse)
@@ -150,7 +147,10 @@ def _label_decoder(counters: Counters, stream: DetectedFormat) -> Decoder:
 _FORMATS: Mapping[str, tuple[str, Callable[[Counters, DetectedFormat], Decoder]]] = {
     "frames": ("binary frames", lambda counters, _: FrameDecoder(counters)),
     "json": ("JSON lines", lambda counters, _: LineDecoder(counters, parse_json_line)),
-    "text": ("lines of ", _text_decoder),
+    "text": (
+        "lines of ",
+        lambda counters, stream: LineDecoder(counters, partial(parse_row, columns=stream.columns)),
+    ),
     "labels": ("labelled lines of ", _label_decoder),
     "witmotion": (
         "WitMotion packets of ",

@@ -90,10 +90,6 @@ def order_at_rest(rows: Sequence[Sequence[float]]) -> str | None:
     return None if first == last else ORDERS[not first]
 
 
-def _is_unit(four: Table) -> bool:
-    return bool(np.abs(np.linalg.norm(four, axis=1) - 1.0).max() <= LENGTH_TOLERANCE)
-
-
 def from_rest(table: Table) -> int:
     """Return the first row of the first rest before a turn."""
     if len(table) <= REST_ROWS:
@@ -194,12 +190,13 @@ def _turn_deg(ups: Table) -> Table:
 
 
 def _quaternion(table: Table, orders: Sequence[str]) -> tuple[Table, Meaning] | None:
-    return _best([
-        Meaning("quaternion", at, order, ups=up_vectors(np.roll(four, ORDERS.index(order), axis=1)))
-        for at in range(table.shape[1] - 3)
-        if _is_unit(four := table[:, at : at + 4])
-        for order in orders
-    ])  # fmt: skip
+    found = []
+    for at in range(table.shape[1] - 3):
+        four = table[:, at : at + 4]
+        if np.abs(np.linalg.norm(four, axis=1) - 1.0).max() <= LENGTH_TOLERANCE:
+            ups = {one: up_vectors(np.roll(four, ORDERS.index(one), axis=1)) for one in orders}
+            found += [Meaning("quaternion", at, order, ups=up) for order, up in ups.items()]
+    return _best(found)
 
 
 def _best(found: Sequence[Meaning]) -> tuple[Table, Meaning] | None:

@@ -65,7 +65,9 @@ class Sensor:
                 raise InputError(f"{id} = 0 is not allowed; must be any other number")
         if self.number("potentiometer.low") == self.number("potentiometer.high"):
             raise InputError("potentiometer.low equals potentiometer.high; must be its two ends")
-        if not self._is_right_handed():
+        order, signs = zip(*self.axes, strict=True)
+        parity = 1.0 if (order[1] - order[0]) % 3 == 1 else -1.0
+        if sorted(order) != [0, 1, 2] or math.prod(signs) != parity:
             raise InputError(
                 f"axes.x = {self.values['axes.x']!r}, y = {self.values['axes.y']!r}, "
                 f"z = {self.values['axes.z']!r} is not a rotation; x, y and z must be three "
@@ -121,11 +123,6 @@ class Sensor:
         """Index (0 to 2) and sign of the sensor's axis for each of the device's x, y and z."""
         named = (str(self.values[f"axes.{name}"]) for name in "xyz")
         return tuple(("xyz".index(name[-1]), -1.0 if name[0] == "-" else 1.0) for name in named)
-
-    def _is_right_handed(self) -> bool:
-        order, signs = zip(*self.axes, strict=True)
-        parity = 1.0 if (order[1] - order[0]) % 3 == 1 else -1.0
-        return sorted(order) == [0, 1, 2] and math.prod(signs) == parity
 
 
 SCHEMA = 3
