@@ -49,12 +49,6 @@ def _schema() -> Any:
     return arrow.schema([("key", arrow.string()), *measures])
 
 
-def _encoded(table: Any) -> bytes:
-    file = io.BytesIO()
-    _pyarrow(".parquet").write_table(table, file)
-    return file.getvalue()
-
-
 def encode_part(rows: Sequence[Mapping[str, Any]]) -> bytes:
     """Return rows (a key and measurements) as JSON lines; a missing measurement becomes null."""
     return "".join(json.dumps(row) + "\n" for row in rows).encode()
@@ -162,4 +156,6 @@ def encode_manifest(grid: RenderGrid, table: Any, rows: IntArray) -> bytes:
     }
     metadata = {"overview_study": json.dumps(about, ensure_ascii=False)}
     whole = arrow.table(columns).combine_chunks()
-    return _encoded(whole.replace_schema_metadata(metadata))
+    file = io.BytesIO()
+    _pyarrow(".parquet").write_table(whole.replace_schema_metadata(metadata), file)
+    return file.getvalue()

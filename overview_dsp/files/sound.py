@@ -196,11 +196,9 @@ class SoundWriter:
                 file.close()
 
     def _close(self, kind: type[BaseException] | None, *_: object) -> None:
-        if kind is None:
-            self.finish()
-            return
-        # the file is deleted, so further errors don't matter
-        with contextlib.suppress(OutputError, InputError):
+        # after an error the file is deleted, so further errors don't matter
+        ignored = () if kind is None else (OutputError, InputError)
+        with contextlib.suppress(*ignored):
             self.finish()
 
     @contextlib.contextmanager

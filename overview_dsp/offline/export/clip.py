@@ -309,9 +309,10 @@ def perceptual_error(
 
     Windows in which both are at `FLOOR` or below don't count.
     """
-    count = max(len(played), len(rendered))
-    sides = [np.pad(side, (0, count - len(side))) for side in (played, rendered)]
-    levels = np.stack([_windows_db(side) for side in sides])
+    width = round(FELT_WINDOW_S * LEVELS_PER_S)
+    count = math.ceil(max(len(played), len(rendered)) / width) * width
+    sides = np.stack([np.pad(side, (0, count - len(side))) for side in (played, rendered)])
+    levels = felt_db(np.sqrt(np.mean(sides.reshape(2, -1, width) ** 2, axis=2)))
     error = np.abs(levels[0] - levels[1])
     felt = error[levels.max(axis=0) > felt_db(np.array(FLOOR))]
     if not len(felt):
@@ -323,9 +324,3 @@ def perceptual_error(
             worst, worst_db = strike, most
     within = float(100.0 * np.mean(felt <= NOTICEABLE_DB))
     return PerceptualError(float(np.median(felt)), float(felt.max()), within, worst, worst_db)
-
-
-def _windows_db(level: FloatArray) -> FloatArray:
-    width = round(FELT_WINDOW_S * LEVELS_PER_S)
-    padded = np.pad(level, (0, -len(level) % width))
-    return felt_db(np.sqrt(np.mean(padded.reshape(-1, width) ** 2, axis=1)))

@@ -133,19 +133,16 @@ def _read(path: Path) -> DecodedClip:
         if model is None:
             raise InputError(f"must be {FORMATS}")
         clip: Any = read(model, document)
-        if isinstance(clip, ahap.Ahap):
-            return _core_haptics(*ahap.decoded(clip))
-        if isinstance(clip, Hjif):
-            level, strikes, played = hjif.decoded(clip)
-            return DecodedClip(level, tuple(strikes), played)
         if isinstance(clip, Android):
             level = waveform_played(clip.waveform)
             return DecodedClip(level, (), level)
-        if isinstance(clip, Haps):
-            level, strikes = haps.decoded(clip)
-            return _core_haptics(level, strikes)
-        level, strikes = haptic.decoded(clip)
-        return DecodedClip(level, tuple(strikes), haptic.on_quest(clip))
+        if isinstance(clip, Hjif):
+            level, strikes, played = hjif.decoded(clip)
+            return DecodedClip(level, tuple(strikes), played)
+        if isinstance(clip, haptic.Haptic):
+            level, strikes = haptic.decoded(clip)
+            return DecodedClip(level, tuple(strikes), haptic.on_quest(clip))
+        return _core_haptics(*(ahap if isinstance(clip, ahap.Ahap) else haps).decoded(clip))
 
 
 def _model_of(document: object) -> type[Part] | None:
