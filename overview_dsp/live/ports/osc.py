@@ -135,21 +135,17 @@ class OscOut:
         reported = set()
         while not self._over.wait(SEND_EVERY_S):
             try:
-                self._send()
+                meters, struck = self._engine.meters, self._engine.pop_strike_events()
+                state = meters.cursor, meters.torque, meters.touching, struck, self._state()
+                for datagram in self._report.messages(time.monotonic(), *state):
+                    with contextlib.suppress(OSError):  # not accepted by the system
+                        self._socket.sendto(datagram, self._address)
             except Exception as error:  # an unknown error must not end the thread
                 line = f"{self._name}: {type(error).__name__}: {error}; sending continues"
                 if line not in reported:
                     reported.add(line)
                     self._say(line)
                 self._over.wait(RETRY_AFTER_S)
-
-    def _send(self) -> None:
-        meters, struck = self._engine.meters, self._engine.pop_strike_events()
-        for datagram in self._report.messages(
-            time.monotonic(), meters.cursor, meters.torque, meters.touching, struck, self._state()
-        ):
-            with contextlib.suppress(OSError):  # not accepted by the system
-                self._socket.sendto(datagram, self._address)
 
     def close(self) -> None:
         """Stop sending."""
