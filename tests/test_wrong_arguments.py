@@ -190,6 +190,10 @@ def right() -> dict[str, tuple[Any, dict[str, Any]]]:
         ),
         "read_clip": (ov.export.read_clip, {"path": "tap.haptic"}),
         "encode_engine": (ov.export.encode_engine, {"engine": engine}),
+        "export_board": (
+            ov.export.export_board,
+            {"timeline": match, "preset": football, "folder": "board", "seed": 0},
+        ),
         "NullStream": (ov.live.NullStream, {"engine": engine, "block_size": 64}),
     }
 

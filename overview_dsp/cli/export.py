@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
 FORMAT_NAMES = ("ahap", "haptic", "hjif", "android", "wav4")
 DRIVEN = "wav4"  # format that an actuator profile changes
-SITE, SOURCE = "web", "c"  # formats of a timeline in a folder: a web page, or C source
+SITE, SOURCE, BOARD = "web", "c", "board"  # formats of a timeline in a folder
 CLIP_OPTIONS = ("gesture", "points_per_second", "tail", "transcripts")
 PAGE_OPTIONS = ("zoom_levels", "actuator", "base_url")
 
@@ -54,7 +54,7 @@ def command(
     preset: str | None = PRESET_OPTION,
     gesture: str = GESTURE,
     formats: tuple[str, ...] = option(
-        "--to", required=True, type=click.Choice((*FORMAT_NAMES, SITE, SOURCE))
+        "--to", required=True, type=click.Choice((*FORMAT_NAMES, SITE, SOURCE, BOARD))
     ),
     output: str | None = option(),
     points_per_second: float = option(default=50.0, type=click.FloatRange(1.0, 1000.0)),
@@ -72,7 +72,8 @@ def command(
 
     --to web writes a page on which TIMELINE is played, in a folder for any web host. Several
     timelines get an overview page. --to c writes C source that plays TIMELINE without Python, with
-    the samples of overview render.
+    the samples of overview render. --to board writes sketches with which a Teensy 4 or an ESP32-S3
+    plays TIMELINE without a computer.
 
     Only wav4 and web depend on --actuator. The other formats store perceived levels, which the
     playing device converts to its own drive.
@@ -90,10 +91,11 @@ def command(
         data = open_window(timeline, reading, window)
         chosen = ov.load_preset(preset_for(data, preset))
         loaded.append((data, chosen))
-    if SOURCE in formats:
-        _require_alone(SOURCE, formats, *CLIP_OPTIONS, *PAGE_OPTIONS)
-        _source(data, chosen, output or "voice", seed, as_json)
-        return
+    for to, name in ((SOURCE, "voice"), (BOARD, "board")):
+        if to in formats:
+            _require_alone(to, formats, *CLIP_OPTIONS, *PAGE_OPTIONS)
+            _source(to, data, chosen, output or name, seed, as_json)
+            return
     if SITE in formats:
         _require_alone(SITE, formats, *CLIP_OPTIONS)
         options: dict[str, Any] = {"levels": zoom_levels, "seed": seed}
@@ -173,11 +175,14 @@ def _require_alone(to: str, formats: tuple[str, ...], *refused: str) -> None:
     refuse_options(f"does not apply to --to {to}; remove it", *refused)
 
 
-def _source(data: Timeline, preset: Preset, out: str, seed: int, as_json: bool) -> None:
-    """Write the C folder and print how to try it."""
-    files = [str(path) for path in ov.export.export_c(data, preset, out, seed=seed)]
+def _source(to: str, data: Timeline, preset: Preset, out: str, seed: int, as_json: bool) -> None:
+    """Write the folder of C source or of sketches, and print how to try it."""
+    write = ov.export.export_c if to == SOURCE else ov.export.export_board
+    files = [str(path) for path in write(data, preset, out, seed=seed)]
     try_it = f"try it: make -C {out} && {out}/example {files[-1]} sweep.wav"
-    show(as_json, [{"format": SOURCE, "files": files}], ", ".join(files), try_it)
+    if to == BOARD:
+        try_it = f"wiring: {files[0]}; upload a sketch with the Arduino IDE or PlatformIO"
+    show(as_json, [{"format": to, "files": files}], ", ".join(files), try_it)
 
 
 def _base_url(text: str | None) -> str | None:
