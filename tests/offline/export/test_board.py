@@ -270,26 +270,47 @@ def test_a_sketch_plays_the_turn_of_a_potentiometer(source, tmp_path, board, mai
     assert float(lines[4]) == pytest.approx(np.pi, abs=1e-4)
 
 
-@pytest.mark.parametrize("board", ["teensy4", "esp32s3"])
-def test_a_sketch_compiles_with_a_motor_knob(source, tmp_path, board):
+MOTOR = """
+#include <math.h>
+static float angle = 2, volts;
+static void loop_foc() { // half a turn in 4 s
+  const double part = (now_us - BEGAN_US) / 4e6;
+  angle = 2 + 3.1416f * (part > 1 ? 1 : part);
+}
+"""
+WATCHDOG = """
+#define ESP_OK 0
+struct esp_task_wdt_config_t { int timeout_ms, idle_core_mask; bool trigger_panic; };
+static int esp_task_wdt_reconfigure(esp_task_wdt_config_t *) { return 0; }
+static int esp_task_wdt_init(esp_task_wdt_config_t *) { return 0; }
+static int esp_task_wdt_add(void *) { return 0; }
+static int esp_task_wdt_reset() { return 0; }
+"""
+
+
+@pytest.mark.parametrize(("board", "main"), [("teensy4", TEENSY_MAIN), ("esp32s3", ESP_MAIN)])
+def test_a_sketch_plays_the_turn_of_a_motor_knob_and_brakes_it(source, tmp_path, board, main):
+    """Against a stand-in for SimpleFOC as well."""
     needs("g++", "g++")
     sketch = (source.parent / board / f"{board}.ino").read_text("utf-8")
     (tmp_path / "SimpleFOC.h").write_text(
-        "static float angle, volts;\nstatic void loop_foc() {}\n" + SIMPLE_FOC
+        MOTOR + SIMPLE_FOC.replace("volts = target", "volts = fminf(volts, target)")
     )
-    (tmp_path / "esp_task_wdt.h").write_text(
-        "#define ESP_OK 0\n"
-        "struct esp_task_wdt_config_t { int timeout_ms, idle_core_mask; bool trigger_panic; };\n"
-        "static int esp_task_wdt_reconfigure(esp_task_wdt_config_t *) { return 0; }\n"
-        "static int esp_task_wdt_init(esp_task_wdt_config_t *) { return 0; }\n"
-        "static int esp_task_wdt_add(void *) { return 0; }\n"
-        "static int esp_task_wdt_reset() { return 0; }\n"
+    (tmp_path / "esp_task_wdt.h").write_text(WATCHDOG)
+    said = 'printf("%f ", volts), printf("%d'
+    (tmp_path / "sketch.cpp").write_text(
+        '#include "Arduino.h"\n' + sketch + main.replace('printf("%d', said)
     )
-    (tmp_path / "sketch.cpp").write_text('#include "Arduino.h"\n' + sketch)
     defined = ["-DMOTOR", *(["-DARDUINO_ARCH_ESP32"] if board == "esp32s3" else [])]
-    run("g++", "-std=gnu++17", "-Wall", "-Werror", "-Wno-unused-function", "-Wno-unknown-pragmas",
-        *defined, f"-I{tmp_path}", f"-I{STANDINS}", f"-I{source.parent / board}", "-c",
-        tmp_path / "sketch.cpp", "-o", tmp_path / "sketch.o")  # fmt: skip
+    run("g++", "-O1", "-std=gnu++17", "-Wall", "-Werror", "-Wno-unused-function",
+        "-Wno-unused-variable", "-Wno-unknown-pragmas", *defined, f"-I{tmp_path}",
+        f"-I{STANDINS}", f"-I{source.parent / board}", tmp_path / "sketch.cpp",
+        "-o", tmp_path / "sketch")  # fmt: skip
+    volts, click, tactor, strikes, _, theta2 = map(float, run(tmp_path / "sketch").stdout.split())
+    assert volts < -0.5  # against the turn
+    assert min(click, tactor) > 3000
+    assert strikes == 32
+    assert theta2 == pytest.approx(np.pi, abs=1e-3)
 
 
 def test_the_tool_reports_missing_programs_by_their_package(monkeypatch):
