@@ -1,7 +1,7 @@
 """Measurement of a board that plays alone: strikes and levels against `render`, memory, time.
 
     python tools/measure_board.py                # on this machine, and on a Cortex-M7 in qemu
-    python tools/measure_board.py --only here
+    python tools/measure_board.py --only here --random 5    # and 15 random timelines
 
 `overview export --to board` writes the library and its data; `board_rig.c` plays gestures in it. A
 match, a series and a heartbeat are swept in 4 s, tapped, and swept by an arm. Every strike counts:
@@ -18,18 +18,21 @@ differ.
 from __future__ import annotations
 
 import argparse
+import functools
 import re
 import shutil
 import subprocess
 import sys
 import tempfile
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from difflib import SequenceMatcher
 from pathlib import Path
 
 import numpy as np
 
 import overview_dsp as ov
-from overview_dsp.measure.synthetic_data import random_heart, random_weather
+from overview_dsp.measure.synthetic_data import random_heart, random_match, random_weather
 
 HERE = Path(__file__).resolve().parent
 RIG = HERE / "board_rig.c"
@@ -70,7 +73,7 @@ class Difference:
     """Strikes in `render`, those that differ, and levels of both channels, dB."""
 
     strikes: int
-    failed: int
+    failed: int  # missing, added or lost
     late_ms: float  # largest difference of a strike's time
     events_db: tuple[float, float]  # largest differences of click and tactor
     compared: tuple[int, int]
@@ -146,18 +149,18 @@ def level(samples: np.ndarray) -> np.ndarray:
 def compare(played: Played, result) -> Difference:
     """Compare what a board played with a render."""
     strikes = result.strikes
-    n = min(len(played.strikes), len(strikes.event))
-    same = played.strikes[:n, 1] == strikes.event[:n]
-    failed = int((~same).sum()) + abs(len(played.strikes) - len(strikes.event)) + played.lost
-    late = played.strikes[:n, 0] / RATE - strikes.time_s[:n]
+    given, expected = played.strikes[:, 1].astype(int).tolist(), strikes.event.tolist()
+    blocks = SequenceMatcher(None, given, expected, autojunk=False).get_matching_blocks()
+    ours = np.concatenate([np.arange(one.a, one.a + one.size) for one in blocks])
+    theirs = np.concatenate([np.arange(one.b, one.b + one.size) for one in blocks])
+    failed = len(given) + len(expected) - 2 * len(ours) + played.lost
+    struck, expected_s = played.strikes[ours, 0], strikes.time_s[theirs]
+    late = struck / RATE - expected_s
     windows = [
-        [
-            level(samples[round(at) : round(at + AFTER_S * RATE)])
-            for at in (struck if len(struck) else [0.0])
-        ]
-        for samples, struck in (
-            (played.samples, played.strikes[:n, 0]),
-            (result.samples, strikes.time_s[:n] * RATE),
+        [level(samples[round(at) : round(at + AFTER_S * RATE)]) for at in (starts or [0.0])]
+        for samples, starts in (
+            (played.samples, struck.tolist()),
+            (result.samples, (expected_s * RATE).tolist()),
         )
     ]
     there, here = np.array(windows)
@@ -219,24 +222,33 @@ def print_memory(source: Path) -> None:
             print(f"{row:<30}{s['code']:>9}{s['constants']:>11}{flash:>9}{s['RAM']:>8}")
 
 
+def random_timelines(count: int) -> Iterator[tuple[str, tuple[Callable, str]]]:
+    """Yield names, functions and presets of random timelines, `count` of each sort."""
+    sorts = {"match": random_match, "series": random_weather, "heartbeat": random_heart}
+    for seed in range(2, 2 + count):
+        for name, make in sorts.items():
+            yield f"{name} {seed}", (functools.partial(make, seed), TIMELINES[name][1])
+
+
 def main() -> int:
     """Print the tables; return the number of failures."""
     arguments = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     arguments.add_argument("--only", choices=MACHINES)
-    only = arguments.parse_args().only
-    failures = 0
+    arguments.add_argument("--random", type=int, default=0, metavar="N")
+    given = arguments.parse_args()
+    only, failures, strikes = given.only, 0, 0
     machines = [machine for machine in MACHINES if only in (None, machine)]
     print(
-        f"{'machine':<10}{'timeline':<11}{'gesture':<8}{'strikes':>8}{'wrong':>6}{'ms':>6}"
+        f"{'machine':<10}{'timeline':<13}{'gesture':<8}{'strikes':>8}{'wrong':>6}{'ms':>6}"
         f"{'click dB':>10}{'tactor dB':>10}{'whole dB':>16}{'instructions':>16}"
     )
     with tempfile.TemporaryDirectory() as made:
-        for name, (load, preset) in TIMELINES.items():
+        for name, (load, preset) in [*TIMELINES.items(), *random_timelines(given.random)]:
             timeline, chosen = load(), ov.load_preset(preset)
             source = export(timeline, chosen, Path(made, name))
             for machine in machines:
                 if needs := missing(machine):
-                    print(f"{machine:<10}{name:<11}needs {needs}")
+                    print(f"{machine:<10}{name:<13}needs {needs}")
                     continue
                 program = build(machine, source)
                 for gesture, make in GESTURES.items():
@@ -244,16 +256,17 @@ def main() -> int:
                     played = play(machine, program, make(), len(result.samples))
                     d = compare(played, result)
                     failures += d.failures
+                    strikes += d.strikes
                     counted = f"{played.mean:.0f}, {played.highest:.0f}" if played.mean else ""
                     whole = f"{d.whole_db[0]:+.3f}, {d.whole_db[1]:+.3f}"
                     print(
-                        f"{machine:<10}{name:<11}{gesture:<8}{d.strikes:>8}{d.failed:>6}"
+                        f"{machine:<10}{name:<13}{gesture:<8}{d.strikes:>8}{d.failed:>6}"
                         f"{d.late_ms:>6.2f}{d.events_db[0]:>10.3f}{d.events_db[1]:>10.3f}"
                         f"{whole:>16}{counted:>16}"
                     )
         print_memory(Path(made, "match", "teensy4"))
     cycles = ", ".join(f"{board} {budget:.0f}" for board, budget in BUDGETS.items())
-    print(f"\ncycles of a sample at {RATE} Hz: {cycles}; failures: {failures}")
+    print(f"\ncycles of a sample at {RATE} Hz: {cycles}; {strikes} strikes, failures: {failures}")
     return failures
 
 

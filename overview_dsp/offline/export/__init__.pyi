@@ -1,6 +1,6 @@
 """Public names of `ov.export`, each imported when it is first used."""
 
-from overview_dsp.offline.export.board import export_board as export_board
+from overview_dsp.offline.export.board_code import export_board as export_board
 from overview_dsp.offline.export.browser_memory import encode_engine as encode_engine
 from overview_dsp.offline.export.c_code import export_c as export_c
 from overview_dsp.offline.export.clip import (

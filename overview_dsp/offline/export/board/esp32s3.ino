@@ -15,7 +15,7 @@ const int TOUCH_PIN = -1;  // pulled to GND while the knob is held; -1: it alway
 const int PHASE_A = 4, PHASE_B = 5, PHASE_C = 6, ENABLE = 7, POLE_PAIRS = 7;
 const float SUPPLY_V = 12, LIMIT_V = 6;  // of the motor
 const float NM_PER_V = 0.003;            // 8.27 / KV / phase resistance
-const float CLICK_GAIN = 1, TACTOR_GAIN = 1;
+const float CLICK_GAIN = 1, TACTOR_GAIN = 1;  // at most 1
 #define I2S_BCLK GPIO_NUM_15
 #define I2S_LRC GPIO_NUM_16
 #define I2S_DIN GPIO_NUM_17

@@ -14,7 +14,7 @@ const int TOUCH_PIN = -1;  // pulled to GND while the knob is held; -1: it alway
 const int PHASE_A = 9, PHASE_B = 5, PHASE_C = 6, ENABLE = 8, POLE_PAIRS = 7;
 const float SUPPLY_V = 12, LIMIT_V = 6;  // of the motor
 const float NM_PER_V = 0.003;            // 8.27 / KV / phase resistance
-const float CLICK_GAIN = 1, TACTOR_GAIN = 1;
+const float CLICK_GAIN = 1, TACTOR_GAIN = 1;  // at most 1
 
 #define KNOB_HZ 4000
 #include <Audio.h>
