@@ -7,7 +7,7 @@ import re
 import pytest
 
 import overview_dsp as ov
-from tests.firmware.boards import ROOT, needs
+from tests.firmware.boards import ROOT, needs, run
 from tests.firmware.test_pins import S3_TAKEN
 from tools import measure_board
 from tools.measure_board import GESTURES, M7, RATE, TIMELINES
@@ -65,6 +65,18 @@ def test_voice_and_knob_leave_room_on_both_boards(exported, compiler, options, p
         ram += sizes["RAM"]
     assert 4 * 65537 < flash < FLASH
     assert ram < RAM
+
+
+def test_the_tables_stay_in_the_flash_of_a_teensy(exported):
+    """Its core has PROGMEM for that; other constants are copied to RAM."""
+    needs_arm()
+    flash = '-DPROGMEM=__attribute__((section(".progmem")))'
+    options = (*M7, "-D__IMXRT1062__", flash)
+    built = exported[2] / "voice.o"
+    sizes = measure_board.sections("arm-none-eabi", options, exported[2], "voice")
+    listed = run("arm-none-eabi-size", "-A", built).stdout
+    assert int(re.search(r"^\.progmem\s+(\d+)", listed, re.M).group(1)) > 4 * 65537
+    assert sizes["constants"] < 500
 
 
 def pins(board):

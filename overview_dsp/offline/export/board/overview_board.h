@@ -65,7 +65,7 @@ typedef struct { /* where an event is struck; in ascending order */
 
 typedef struct {
     float release; /* friction released there, N m s/rad */
-    int16_t number;
+    int32_t number; /* in the comment of timeline.h, -1 = the surface */
     uint8_t kind;
 } OverviewEvent;
 
