@@ -7,8 +7,9 @@
 | `GET /live/update?since=V&rate=HZ` | the update from version V; V = -1: the complete data |
 
 A notice is ``{"version", "now_s", "duration_s", "ended", "status_text", "changes": [{"action":
-"added" or "retracted", "kind", "label", "time_s", "pattern", "version"}]}``, and "update" in base64
-if requested. A page that reconnects receives all changes since its last version (`Last-Event-ID`).
+"added" or "retracted", "kind", "label" and "change" (`site_data`), "time_s", "pattern",
+"version"}]}``, and "update" in base64 if requested. A page that reconnects receives all changes
+since its last version (`Last-Event-ID`).
 
 An update is uint32 n, then n bytes of JSON ``{"version", "info", "view", "rate", "bytes"}``, padded
 with spaces to a multiple of 8, then a patch (`sound_data`). `info` has the changed fields of
@@ -41,7 +42,7 @@ from overview_dsp.signal.surface.build import build_surface
 from overview_dsp.units import clock_text
 from overview_dsp.web.preset_data import vibration_pattern
 from overview_dsp.web.site_content import compact_json
-from overview_dsp.web.site_data import kind_styles, series_json, window_json
+from overview_dsp.web.site_data import event_fields, kind_styles, series_json, window_json
 from overview_dsp.web.sound_data import make_patch, window_bytes
 
 CHECK_INTERVAL_S = 0.05
@@ -87,7 +88,7 @@ class LiveData:
             {
                 "action": change.action,
                 "kind": change.event.kind,
-                "label": change.event.display_label,
+                **event_fields(change.event),
                 "time_s": change.event.time_s,
                 "pattern": list(vibration_pattern(change.event.kind, preset)),
                 "version": change.revision,

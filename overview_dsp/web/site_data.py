@@ -18,7 +18,8 @@
      "level": [COLUMNS numbers 0 to 1, null without data], "band": null or [minimum, maximum] of
         the levels of each column,
      "gaps": [[from, to], ...], "now": position up to which data are known, or null,
-     "events": [{"position", "time_s", "kind", "label", "value" of a series, "side"}, ...],
+     "events": [{"position", "time_s", "kind", "label", "value" of a series, "change": [number,
+        unit], "side", "score" after a goal, counted in the window: "1-0"}, ...],
      "strike_events": [index in "events" of each strike number, or -1],
      "scale": [value at level 0, difference to the value at level 1]}
 
@@ -49,11 +50,12 @@ from numpy.typing import NDArray
 from overview_dsp.arrays import FloatArray, IntArray
 from overview_dsp.data.analysis.series_events import KINDS as SERIES_KINDS
 from overview_dsp.data.analysis.series_events import has_values
-from overview_dsp.data.timeline import Intensity, Timeline
+from overview_dsp.data.timeline import Event, Intensity, Timeline
 from overview_dsp.data.timeline.gaps import in_gap
 from overview_dsp.data.timeline.ticks import KINDS as TICKS
 from overview_dsp.data.timeline.time_expressions import NARROWEST_S
 from overview_dsp.design.presets.model import Preset
+from overview_dsp.live.screen.position_report import DERIVED_UNIT, running_scores
 from overview_dsp.offline.export.browser_memory import event_numbers
 from overview_dsp.offline.plots.style import KIND_STYLE
 from overview_dsp.signal.surface.angle_map import AngleMap
@@ -171,6 +173,16 @@ def event_values(timeline: Timeline) -> list[float | int | None]:
     return [_number(one) if is_known else None for one, is_known in zip(values, known, strict=True)]
 
 
+def event_fields(event: Event) -> dict[str, Any]:
+    """Return the label without a series' value and date, and the change of a rise or fall."""
+    if event.kind not in SERIES_KINDS:
+        return {"label": event.display_label}
+    label = event.label.partition(" to ")[0].partition(" (")[0]
+    number, _, unit = label.partition(" ")
+    is_change = label[:1] in ("+", "-") and number[1:].replace(".", "", 1).isdigit()
+    return {"label": "", "change": [float(number), unit]} if is_change else {"label": label}
+
+
 def _rounded(row: FloatArray) -> list[float | None]:
     return [None if math.isnan(one) else round(one, 4) for one in row.tolist()]
 
@@ -254,20 +266,15 @@ def kind_styles(timeline: Timeline, preset: Preset) -> dict[str, dict[str, Any]]
     # goals of the second team are outlines
     taken |= {f"open_{fixed[kind]['shape']}" for kind in ("goal", "own_goal") if kind in counts}
     free = [shape for shape in KINDS["others"]["shapes"] if shape not in taken]
+    colours = KINDS["others"]["colours"]
+    for i, kind in enumerate(others):
+        shape = free[min(i, len(free) - 1)]
+        fixed[kind] = {"shape": shape, "colour": colours[i % len(colours)]}
     styles = {}
-    for kind in (*(name for name in fixed if name in counts), *others):
-        if kind in fixed:
-            style = fixed[kind]
-        else:
-            i, colours = others.index(kind), KINDS["others"]["colours"]
-            style = {"shape": free[min(i, len(free) - 1)], "colour": colours[i % len(colours)]}
+    for kind in filter(counts.__contains__, fixed):
         name = KIND_STYLE[kind][2] if kind in KINDS["known"] else kind.replace("_", " ")
-        styles[kind] = {
-            "name": name,
-            **style,
-            "count": counts[kind],
-            "pattern": list(vibration_pattern(kind, preset)),
-        }
+        pattern = list(vibration_pattern(kind, preset))
+        styles[kind] = {"name": name, **fixed[kind], "count": counts[kind], "pattern": pattern}
     return styles
 
 
@@ -296,13 +303,13 @@ def window_json(timeline: Timeline, surface: Surface, start_s: float) -> dict[st
     angle_map = surface.angle_map
     times, positions = start_s + angle_map.time_s, angle_map.position
     map_points = {"time_s": times.tolist(), "position": positions.tolist()}
-    curve = drawn_curve(timeline, angle_map, COLUMNS)
+    scores = dict(running_scores(timeline))
     until_s = timeline.known_until_s
     now = None if until_s is None else float(angle_map.position_of(until_s))
     future = [] if now is None else [[now, 1.0]]
     return {
         "angle_map": None if angle_map.is_linear else map_points,
-        **curve,
+        **drawn_curve(timeline, angle_map, COLUMNS),
         "gaps": [angle_map.position_of(gap).tolist() for gap in timeline.gaps] + future,
         "now": now,
         "events": [
@@ -310,9 +317,10 @@ def window_json(timeline: Timeline, surface: Surface, start_s: float) -> dict[st
                 "position": position,
                 "time_s": start_s + event.time_s,
                 "kind": event.kind,
-                "label": event.display_label,
+                **event_fields(event),
                 **({} if value is None else {"value": value}),
                 **({"side": event.side} if event.side else {}),
+                **({"score": scores[event]} if event in scores else {}),
             }
             for position, event, value in zip(
                 angle_map.events.tolist(), timeline.events, event_values(timeline), strict=True

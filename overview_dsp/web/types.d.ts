@@ -10,9 +10,11 @@ export interface TimelineEvent {
   label: string;
   /** Value of a series at the event. */
   value?: number;
+  /** Change and its unit, of a rise or fall. */
+  change?: [number, string];
   /** Team, 1 or 2; of a goal the one that scored. */
   side?: number;
-  /** Score after a goal; `scores.js` sets it. */
+  /** Score after a goal, "1-0" of a window; `scores.js` sets that of the whole timeline, "1–0". */
   score?: string;
 }
 
@@ -126,6 +128,7 @@ export interface Notice {
     action: string;
     kind: string;
     label: string;
+    change?: [number, string];
     time_s: number;
     pattern: number[];
     version: number;
@@ -316,7 +319,7 @@ export interface Settings {
   start: number;
 }
 
-type Plain = "title" | "window" | "link" | "latency" | "moment" | "clock" | "value" | "number" | "unit" | "event"
+type Plain = "title" | "window" | "link" | "latency" | "moment" | "when" | "clock" | "let-go" | "value" | "number" | "unit" | "event"
   | "strip" | "strip-window" | "stage" | "passed" | "disk" | "torque" | "needle" | "others" | "cursor" | "ring" | "dot"
   | "finger" | "hint" | "hint-text" | "tools" | "legend" | "zooming" | "summary" | "announcement" | "fault" | "run-text"
   | "events-title" | "events-summary" | "kinds" | "found" | "events-list" | "values-title" | "values-note" | "values-head"

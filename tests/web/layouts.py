@@ -31,8 +31,11 @@ FAULTS = """() => {
     if (root.scrollWidth > innerWidth || root.scrollHeight > innerHeight) {
         found.push(`the page scrolls: ${root.scrollWidth} x ${root.scrollHeight}`);
     }
-    const open = document.querySelector("dialog[open]");
-    const inside = (one) => (open ? open.contains(one) : !one.closest("dialog, #editor"));
+    const open = document.querySelector("dialog:modal");
+    // a list beside the picture is a part of the page that scrolls for itself
+    const inside = (one) => (open ? open.contains(one)
+        : !one.closest("dialog:not([open]), #editor"));
+    const scrolls = (one) => one.closest("dialog");
     for (const one of document.querySelectorAll("button, input, select, a, summary")) {
         if (!shown(one) || !inside(one) || one.id === "slider") continue;
         const box = (one.closest("label") ?? one).getBoundingClientRect();
@@ -40,7 +43,7 @@ FAULTS = """() => {
             found.push(`small: ${name(one)} ${box.width.toFixed(0)} x ${box.height.toFixed(0)}`);
         }
         const off = box.left < -0.5 || box.right > innerWidth + 0.5;
-        if (off || (!open && (box.top < -0.5 || box.bottom > innerHeight + 0.5))) {
+        if (off || (!scrolls(one) && (box.top < -0.5 || box.bottom > innerHeight + 0.5))) {
             found.push(`off screen: ${name(one)}`);
         }
         if (one.tagName === "BUTTON" && one.scrollWidth > one.clientWidth + 1) {
@@ -56,9 +59,9 @@ FAULTS = """() => {
         if (one.matches(".spoken, #live")) continue;
         const box = one.getBoundingClientRect();
         const into = one.ownerSVGElement ? one.ownerSVGElement.getBoundingClientRect()
-            : { left: 0, right: innerWidth, top: 0, bottom: open ? Infinity : innerHeight };
+            : { left: 0, right: innerWidth, top: 0, bottom: scrolls(one) ? Infinity : innerHeight };
         if (box.left < into.left - 1 || box.right > into.right + 1
-            || (!open && (box.top < into.top - 1 || box.bottom > into.bottom + 2))) {
+            || (!scrolls(one) && (box.top < into.top - 1 || box.bottom > into.bottom + 2))) {
             found.push(`beyond its place: ${name(one)} ${one.textContent.slice(0, 30)}`);
         }
         if (one.clientWidth > 0 && one.scrollWidth > one.clientWidth + 1) {
@@ -84,6 +87,15 @@ FAULTS = """() => {
             const boxes = [...other.getClientRects()];
             const over = [...one.getClientRects()].some((a) => boxes.some((b) => meet(a, b)));
             if (over) found.push(`${one.id} lies over ${other.id}`);
+        }
+    }
+    const words = document.createRange();
+    words.selectNodeContents(document.getElementById("let-go"));
+    const beside = document.getElementById("when").getBoundingClientRect();
+    for (const box of words.getClientRects()) { // the whole words, or nothing
+        const isCut = box.right > beside.right + 1 || box.bottom > beside.bottom + 2;
+        if (box.top < beside.bottom - 1 && isCut) {
+            found.push("cut: where you released it");
         }
     }
     const reading = document.getElementById("moment");

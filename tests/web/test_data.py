@@ -15,7 +15,7 @@ from overview_dsp.offline.export.browser_memory import encode_change
 from overview_dsp.signal.surface.build import build_surface
 from overview_dsp.web.assets import WEB
 from overview_dsp.web.media import open_media
-from overview_dsp.web.site_data import kind_styles, window_json
+from overview_dsp.web.site_data import event_fields, kind_styles, window_json
 from overview_dsp.web.static_site import start_page, write_site
 from tests.web.serving import served
 
@@ -341,3 +341,33 @@ def test_a_page_of_a_package_that_cannot_be_loaded_is_left_out_with_a_warning(ma
         running.client(Origin=running.origin) as client,
     ):
         assert client.get("/data/timeline.json").json()["server"]["pages"] == []
+
+
+@pytest.mark.parametrize(
+    ("kind", "label", "told"),
+    [
+        ("largest_fall", "-51.87 % to 1.65, 2000-09-29", {"label": "", "change": [-51.87, "%"]}),
+        ("largest_rise", "+3 °C to 7.1 °C, 12:30", {"label": "", "change": [3.0, "°C"]}),
+        ("largest_rise", "+3 to 7.1, 12:30", {"label": "", "change": [3.0, ""]}),
+        ("crossing_up", "rises above 20 (20.0917), 2007-10-01", {"label": "rises above 20"}),
+        ("split", "7:1 split to 100.3, 2014-06-09", {"label": "7:1 split"}),
+        ("largest_rise", "+a lot", {"label": "+a lot"}),
+        ("goal", "back to 1-1 (penalty)", {"label": "back to 1-1 (penalty)"}),
+    ],
+)
+def test_the_words_of_an_event_have_no_value_and_no_date(kind, label, told):
+    assert event_fields(ov.Event(1.0, kind, label)) == told
+
+
+def test_goals_have_scores_by_their_sides_or_else_by_their_labels(match, football):
+    def scores(timeline):
+        surface = build_surface(timeline, football)
+        told = window_json(timeline, surface, 0.0)["events"]
+        return [(one["kind"], one["score"]) for one in told if "score" in one]
+
+    after = ["1-0", "1-1", "2-1", "3-1", "4-1", "4-2"]
+    assert scores(match) == list(zip(["own_goal", *["goal"] * 5], after, strict=True))
+    bare = tuple(replace(one, side=0) for one in match.events)
+    assert scores(replace(match, events=bare, sides=())) == scores(match)
+    unnamed = tuple(replace(one, label="") for one in match.events)
+    assert scores(replace(match, events=unnamed)) == scores(match)

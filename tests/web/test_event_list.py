@@ -8,7 +8,7 @@ import pytest
 
 import overview_dsp as ov
 from tests.web.driving import until, violations
-from tests.web.exported import opened_page
+from tests.web.exported import opened_host, opened_page
 from tests.web.layouts import events_of
 
 COUNT = 10_000
@@ -146,3 +146,36 @@ def test_a_zoomed_page_lists_all_events_and_goes_to_any(chromium, match, tmp_pat
         page.click("#events-list .go")
         until(page, "p.view.zoom === 1 && p.currentEvent?.label.startsWith('4-2')")
         assert page.evaluate("document.activeElement.id") == "slider"
+
+
+def test_a_wide_window_has_the_list_beside_the_picture(chromium, site, axe):
+    with opened_host(site) as host:
+        context = chromium.new_context(viewport={"width": 1440, "height": 900})
+        page = context.new_page()
+        page.goto(host.url)
+        until(page, "p.list?.found.length === 32")
+        assert not page.is_visible("#list")
+        assert page.evaluate("document.activeElement === document.body")  # it takes no focus
+        stage, panel = (page.locator(one).bounding_box() for one in ("#stage", "#events"))
+        assert panel["width"] == 336
+        assert stage["x"] + stage["width"] <= panel["x"]
+        assert violations(page, axe) == []
+        page.fill("#find", "mbap")
+        until(page, "document.querySelectorAll('#events-list li').length === 1")
+        page.click("#events-list .go")
+        until(page, "p.currentEvent?.label.includes('Mbapp')")
+        assert page.is_visible("#find")
+        page.fill("#find", "")
+        page.evaluate("overview.goToEvent(overview.view.events.at(-2))")
+        marked = page.locator("#events-list [aria-current]")
+        until(page, "document.querySelector('[aria-current]')?.textContent.includes('yellow card')")
+        box = marked.bounding_box()
+        assert 0 <= box["y"] <= box["y"] + box["height"] <= 901
+        page.set_viewport_size({"width": 1200, "height": 900})
+        until(page, "!document.getElementById('events').open")
+        page.click("#list")
+        assert page.evaluate("document.getElementById('events').matches(':modal')")
+        page.set_viewport_size({"width": 1440, "height": 900})
+        until(page, "document.querySelector('dialog:modal') === null && p.list.wasBeside")
+        assert page.is_visible("#find")
+        context.close()

@@ -13,7 +13,7 @@ from tests.web.driving import until, violations
 from tests.web.exported import opened_host
 from tests.web.layouts import FAULTS, SIZES, TEXTS, preset_of, settled, timelines
 
-STATES = ("first", "event", "zoomed", "fault")
+STATES = ("first", "event", "released", "zoomed", "fault")
 FAULT = "unknown position corner:9; use goal:5, 67:30 or seconds; unknown gesture dance"
 
 
@@ -48,6 +48,9 @@ def faults_of(page, name, size, text):
                 overview.goTo(longest?.position ?? 0.5);
             }""")
             page.wait_for_timeout(500)
+        elif state == "released":
+            page.keyboard.press("Escape")
+            until(page, "document.getElementById('let-go').style.visibility === 'visible'")
         elif state == "zoomed":
             if page.evaluate("overview.info.windows.length") < 2:
                 continue

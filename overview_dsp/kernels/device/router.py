@@ -38,7 +38,7 @@ SIZE = column.end
 
 
 @inlined
-def find_place(r, ri, slot, cursor):
+def find_tactor(r, ri, slot, cursor):
     """Return the place of the disk on a surface, after an event for a while that of the event."""
     cell = int(min(max(cursor, 0.0), 1.0) * layout.CELLS)
     place = r[PLACES + slot * (layout.CELLS + 1) + cell]
@@ -60,7 +60,7 @@ def split(i64, r, ri, out, frames, channels, trace):
     for n in range(frames):
         slot = i64[layout.FADING_SLOT if n < first else layout.ACTIVE_SLOT]
         at = ri[WRITTEN] & (layout.DELAY_LINE - 1)
-        r[LINE + at] = find_place(r, ri, slot, trace[n * layout.TRACE + CURSOR])
+        r[LINE + at] = find_tactor(r, ri, slot, trace[n * layout.TRACE + CURSOR])
         place = r[LINE + ((ri[WRITTEN] - delay) & (layout.DELAY_LINE - 1))]
         ri[WRITTEN] += 1
         x = float(out[source + n * channels])

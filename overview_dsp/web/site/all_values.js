@@ -1,6 +1,6 @@
 // The table of all values and events of a window, sortable, and as a CSV file.
 
-import { byId } from "./dom.js";
+import { button, byId, made, on } from "./dom.js";
 import { momentText, shortEvent } from "./descriptions.js";
 import { valueText } from "./values.js";
 import { THINNED } from "./page_words.js";
@@ -66,8 +66,8 @@ export class AllValues {
     this.url = "";
     /** @type {["time_s" | "value" | "events", number]} */
     this.order = ["time_s", 1];
-    byId("values-more").addEventListener("click", () => this.showMore());
-    byId("values").addEventListener("close", () => URL.revokeObjectURL(this.url));
+    on("values-more", "click", () => this.showMore());
+    on("values", "close", () => URL.revokeObjectURL(this.url));
   }
 
   /** @param {View} view */
@@ -98,19 +98,12 @@ export class AllValues {
     const columns = /** @type {(keyof typeof names)[]} */ (
       Object.keys(names).filter((name) => name !== "value" || this.info.series));
     byId("values-head").replaceChildren(...columns.map((name) => {
-      const cell = document.createElement("th");
-      cell.scope = "col";
       const isSorted = name === column;
-      cell.ariaSort = isSorted ? (direction > 0 ? "ascending" : "descending") : "none";
-      const button = document.createElement("button");
-      button.type = "button";
-      button.textContent = names[name];
-      button.addEventListener("click", () => {
+      const ariaSort = isSorted ? (direction > 0 ? "ascending" : "descending") : "none";
+      return made("th", { scope: "col", ariaSort }, button("", () => {
         this.sort(name, isSorted ? -direction : 1);
         byId("values-head").querySelectorAll("button")[columns.indexOf(name)].focus();
-      });
-      cell.append(button);
-      return cell;
+      }, names[name]));
     }));
     byId("values-rows").replaceChildren();
     this.shown = 0;
@@ -121,14 +114,8 @@ export class AllValues {
     const { info } = this;
     const body = byId("values-rows");
     for (const { time_s, value, events } of this.rows.slice(this.shown, this.shown + ROWS)) {
-      const row = document.createElement("tr");
       const texts = [momentText(time_s, info), ...(info.series ? [valueText(value, info)] : []), events];
-      for (const text of texts) {
-        const cell = document.createElement("td");
-        cell.textContent = text;
-        row.append(cell);
-      }
-      body.append(row);
+      body.append(made("tr", {}, ...texts.map((text) => made("td", {}, text))));
     }
     this.shown = Math.min(this.shown + ROWS, this.rows.length);
     byId("values-more").hidden = this.shown === this.rows.length;

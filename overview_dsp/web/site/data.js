@@ -1,7 +1,7 @@
 // The timeline's files: JSON for the picture, bytes for the kernel. A static folder has files of some
 // windows and one preset. A server makes them for any window and preset (`info.server`).
 
-import { copyScores, setScores } from "./scores.js";
+import { copyScores, readableTitle, setScores } from "./scores.js";
 import { request, openSession, post } from "./session.js";
 import { inflated, unpacked } from "./unpack.js";
 import { partOf } from "./windows.js";
@@ -31,7 +31,9 @@ export class Data {
 
   static async open() {
     await openSession();
-    return new Data(await json("data/timeline.json"));
+    const info = await json("data/timeline.json");
+    info.title = readableTitle(info.title);
+    return new Data(info);
   }
 
   /**

@@ -1,7 +1,7 @@
 // Texts for times, events and positions.
 
 import { positionAt, secondsAt } from "./angle_map.js";
-import { LOCALES, nearestPoint, numberText, rangeOf, valueText } from "./values.js";
+import { changeText, LOCALES, nearestPoint, numberText, rangeOf, valueText } from "./values.js";
 import { begins, fromTo, NO_DATA, range } from "./words.js";
 
 const TOLERANCE = 0.004; // distance (0 to 1) at which a position is at an event, without a picture
@@ -74,7 +74,7 @@ const FOUND = new Set([
 
 /**
  * Return kind and label of an event, without its date; kind and value if it is a point of the data.
- * @param {Pick<TimelineEvent, "kind" | "label" | "value">} event
+ * @param {Pick<TimelineEvent, "kind" | "label" | "value" | "change">} event
  * @param {Info} info
  */
 export function eventText(event, info) {
@@ -84,27 +84,16 @@ export function eventText(event, info) {
 }
 
 /**
- * Return a label without value and date in brackets: "(20.0917), 2007-10-01".
- * @param {string} label
- */
-function plainLabel(label) {
-  return label.replace(/,? \d{4}-\d\d-\d\d.*$/, "").replace(/ \([-\d.]+\)/, "");
-}
-
-/**
  * Return kind and label of an event, without value and date; the kind is left out if the label
  * contains it.
- * @param {Pick<TimelineEvent, "kind" | "label">} event
+ * @param {Pick<TimelineEvent, "kind" | "label" | "change">} event
  * @param {Info} info
  */
-export function shortEvent({ kind, label }, info) {
+export function shortEvent({ kind, label, change }, info) {
   const words = info.kinds[kind]?.name ?? kind;
   if (info.start && CALENDAR.has(kind)) return begins(words);
-  if (LABEL_ALONE.has(kind)) return plainLabel(label) || words;
-  if (FOUND.has(kind)) {
-    const change = label.match(/^[-+][\d.]+( %)?/)?.[0];
-    return change ? `${words}, ${change.replace("-", "\u2212")}` : words;
-  }
+  if (LABEL_ALONE.has(kind)) return label || words;
+  if (FOUND.has(kind)) return change ? `${words}, ${changeText(change, info)}` : words;
   if (!label) return words;
   return label.toLowerCase().includes(words.toLowerCase()) ? label : `${words}, ${label}`;
 }

@@ -12,6 +12,43 @@ export function byId(id) {
 }
 
 /**
+ * Call a function for each event of a type at an element of the page.
+ * @template {keyof HTMLElementEventMap} Type
+ * @param {keyof Elements} id
+ * @param {Type} type
+ * @param {(event: HTMLElementEventMap[Type]) => unknown} act
+ */
+export function on(id, type, act) {
+  const element = /** @type {HTMLElement} */ (byId(id));
+  element.addEventListener(type, act);
+}
+
+/**
+ * Return a new element with some properties and children.
+ * @template {keyof HTMLElementTagNameMap} Tag
+ * @param {Tag} tag
+ * @param {Record<string, string | boolean>} properties
+ * @param {(string | Node)[]} children
+ */
+export function made(tag, properties, ...children) {
+  const element = Object.assign(document.createElement(tag), properties);
+  element.append(...children);
+  return element;
+}
+
+/**
+ * Return a new button that a function handles.
+ * @param {string} className
+ * @param {() => unknown} act
+ * @param {(string | Node)[]} children
+ */
+export function button(className, act, ...children) {
+  const element = made("button", { type: "button", className }, ...children);
+  element.addEventListener("click", act);
+  return element;
+}
+
+/**
  * Return the drawing context of a canvas; throw an Error without one.
  * @param {HTMLCanvasElement} canvas
  */

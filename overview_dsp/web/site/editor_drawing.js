@@ -1,7 +1,7 @@
 // Curves that the user draws: an event's friction profile, and the mapping from intensity to friction.
 // The drawn `points` belong to the event kind or the preset. Without points the defaults apply.
 
-import { byId } from "./dom.js";
+import { button, byId, made } from "./dom.js";
 
 /** @import { Drawing } from "../types" */
 
@@ -99,13 +99,6 @@ export function drawingOf(owner, { name, label, doc, back, plain, empty }, oncha
     preserveAspectRatio: "none", "aria-label": label,
   });
   pad.append(line);
-  /** @type {(text: string, act: () => void) => HTMLButtonElement} */
-  const button = (text, act) => {
-    const element = Object.assign(document.createElement("button"), { type: "button" });
-    element.textContent = text;
-    element.addEventListener("click", act);
-    return element;
-  };
   const show = () => {
     const points = resampled(owner.points, plain);
     const xy = points.map((level, k) => `${(k * WIDTH) / (COUNT - 1)},${HEIGHT * (1 - level)}`);
@@ -124,11 +117,11 @@ export function drawingOf(owner, { name, label, doc, back, plain, empty }, oncha
     show();
     onchange();
   };
-  const undo = button("Undo", () => setPoints(earlier.pop() ?? []));
-  const clear = button(back, () => {
+  const undo = button("", () => setPoints(earlier.pop() ?? []), "Undo");
+  const clear = button("", () => {
     remember();
     setPoints([]);
-  });
+  }, back);
   /** @type {[number, number] | null} */
   let last = null;
   pad.addEventListener("pointerdown", (/** @type {PointerEvent} */ event) => {
@@ -148,16 +141,7 @@ export function drawingOf(owner, { name, label, doc, back, plain, empty }, oncha
       last = null;
     });
   }
-  const row = document.createElement("div");
-  row.className = "parameter drawn";
-  const title = document.createElement("span");
-  title.textContent = name;
-  const note = document.createElement("small");
-  note.textContent = doc;
-  const bar = document.createElement("div");
-  bar.className = "bar";
-  bar.append(undo, clear);
-  row.append(title, pad, bar, note);
   show();
-  return row;
+  return made("div", { className: "parameter drawn" }, made("span", {}, name), pad,
+    made("div", { className: "bar" }, undo, clear), made("small", {}, doc));
 }

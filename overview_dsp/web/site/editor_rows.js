@@ -1,5 +1,7 @@
 // Rows of the preset editor: one slider, choice or switch per parameter.
 
+import { made } from "./dom.js";
+
 const STEPS = 400;
 
 /** @import { Parameter } from "../types" */
@@ -48,16 +50,10 @@ export const labelOf = (key) => key.slice(key.lastIndexOf(".") + 1).replace(UNIT
  * @param {() => void} onchange
  */
 export function rowOf(parameter, owner, key, onchange) {
-  const row = document.createElement("label");
-  row.className = "parameter";
-  const name = document.createElement("span");
-  name.textContent = labelOf(key);
-  const doc = document.createElement("small");
-  doc.textContent = parameter.doc;
   const control = parameter.choices.length > 0 ? choice(parameter, owner, key, onchange)
     : slider(parameter, owner, key, onchange);
-  row.append(name, ...control, doc);
-  return row;
+  return made("label", { className: "parameter" }, made("span", {}, labelOf(key)), ...control,
+    made("small", {}, parameter.doc));
 }
 
 /**
@@ -68,7 +64,7 @@ export function rowOf(parameter, owner, key, onchange) {
  */
 function choice({ choices, id }, owner, key, onchange) {
   if (typeof choices[0] === "boolean") {
-    const box = Object.assign(document.createElement("input"), { type: "checkbox", name: id });
+    const box = made("input", { type: "checkbox", name: id });
     box.checked = owner[key];
     box.addEventListener("input", () => {
       owner[key] = box.checked;
@@ -76,7 +72,7 @@ function choice({ choices, id }, owner, key, onchange) {
     });
     return [box];
   }
-  const select = Object.assign(document.createElement("select"), { name: id });
+  const select = made("select", { name: id });
   select.append(...choices.map((one) => new Option(one.replaceAll("_", " "), one)));
   select.value = owner[key];
   select.addEventListener("input", () => {
@@ -93,8 +89,8 @@ function choice({ choices, id }, owner, key, onchange) {
  * @param {() => void} onchange
  */
 function slider(parameter, owner, key, onchange) {
-  const output = document.createElement("output");
-  const range = Object.assign(document.createElement("input"), {
+  const output = made("output", {});
+  const range = made("input", {
     type: "range", name: parameter.id, min: "0", max: String(STEPS), step: "1",
   });
   const show = () => {

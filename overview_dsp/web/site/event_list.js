@@ -1,7 +1,7 @@
 // The events of the timeline as a list of buttons, which move the disk or play the film. It has all events:
 // blocks of them are filled while they are near the visible part.
 
-import { byId } from "./dom.js";
+import { button, byId, made, on } from "./dom.js";
 import { chipsOf, markIcon } from "./legend.js";
 import { EXTREMES } from "./layer.js";
 import { markOf } from "./marks.js";
@@ -54,11 +54,14 @@ export class EventList {
     this.rows = [];
     /** @type {Row[]} */
     this.found = [];
+    this.wasBeside = false;
+    /** @type {TimelineEvent | null} */
+    this.marked = null; // in the list beside the picture
     this.observer = new IntersectionObserver((entries) => {
       for (const { target, isIntersecting } of entries) this.fill(/** @type {HTMLElement} */ (target), isIntersecting);
     }, { root: byId("events"), rootMargin: NEAR });
-    byId("find").addEventListener("input", () => this.search());
-    byId("find").addEventListener("keydown", (event) => event.key === "Enter" && event.preventDefault());
+    on("find", "input", () => this.search());
+    on("find", "keydown", (event) => event.key === "Enter" && event.preventDefault());
     /** @type {[string, () => void][]} */
     const targets = [
       ["first", () => navigation.toFirst()], ["highest", () => navigation.toHighest()],
@@ -66,26 +69,76 @@ export class EventList {
     ];
     for (const [target, move] of targets) {
       byId("events").querySelector(`[data-go=${target}]`)?.addEventListener("click", () => {
-        byId("events").close();
+        this.close();
         move();
         byId("slider").focus();
       });
     }
   }
 
+  /** Whether the list is beside the picture, where the style sheet has room for it. */
+  get isBeside() {
+    return getComputedStyle(byId("list")).display === "none";
+  }
+
   /**
+   * Show the list beside the picture, if there is room, with the events of a new view.
    * @param {View} view
    * @param {View} whole the whole timeline
    */
-  open(view, whole) {
+  show(view, whole) {
+    const { isBeside } = this;
+    if (isBeside !== this.wasBeside) byId("events").close();
+    byId("events").open ||= isBeside; // `show()` would take the focus
+    this.wasBeside = isBeside;
+    if (!isBeside || view.events === this.events) return;
+    this.fillRows(view, whole);
+    this.search();
+  }
+
+  /**
+   * @param {View} view
+   * @param {View} whole
+   */
+  fillRows(view, whole) {
+    this.events = view.events;
     this.rows = allEvents(view, whole).map((event) => ({
       event, text: eventText(event, this.info), when: momentText(event.time_s, this.info),
     }));
     byId("events-summary").textContent = summaryText(whole, this.info);
+  }
+
+  /**
+   * @param {View} view
+   * @param {View} whole
+   */
+  open(view, whole) {
+    this.fillRows(view, whole);
     byId("find").value = "";
     this.search();
-    byId("events").showModal();
+    if (!this.isBeside) byId("events").showModal();
     byId("events-title").focus();
+  }
+
+  close() {
+    if (!this.isBeside) byId("events").close();
+  }
+
+  /**
+   * Mark the event at which the input is, in the list beside the picture.
+   * @param {TimelineEvent | null} event
+   */
+  mark(event) {
+    if (event === this.marked || !this.wasBeside) return;
+    this.marked = event;
+    byId("events-list").querySelector("[aria-current]")?.removeAttribute("aria-current");
+    const at = this.found.findIndex((row) => event && isSameEvent(row.event, event));
+    if (at < 0) return;
+    const block = /** @type {HTMLElement} */ (byId("events-list").children[Math.floor(at / BLOCK)]);
+    this.fill(block, true);
+    const item = block.children[at % BLOCK];
+    item.setAttribute("aria-current", "true");
+    item.scrollIntoView({ block: "nearest" });
   }
 
   /** Show the events that have the words, and whose kinds are shown. */
@@ -105,7 +158,7 @@ export class EventList {
     }));
     this.observer.disconnect();
     const blocks = Array.from({ length: Math.ceil(length / BLOCK) }, (_, i) => {
-      const block = document.createElement("ul");
+      const block = made("ul", {});
       block.dataset.first = String(i * BLOCK);
       block.style.height = `${Math.min(BLOCK, length - i * BLOCK) * ROW_REM}rem`;
       return block;
@@ -137,21 +190,15 @@ export class EventList {
    * @param {number} index
    */
   item({ event, text, when }, index) {
-    const item = document.createElement("li");
+    const item = made("li", {});
     item.setAttribute("aria-setsize", String(this.found.length));
     item.setAttribute("aria-posinset", String(index + 1));
     const { watch } = this;
-    const button = this.button("go", () => this.go(event));
-    const [words, time] = [text, when].map((one) => {
-      const element = document.createElement("span");
-      element.textContent = one;
-      return element;
-    });
-    button.append(markIcon(markOf(event.kind, this.info.kinds[event.kind], event.side)), words, " ", time);
-    item.append(button);
+    item.append(this.button("go", () => this.go(event),
+      markIcon(markOf(event.kind, this.info.kinds[event.kind], event.side)), made("span", {}, text), " ",
+      made("span", {}, when)));
     if (watch !== null) {
-      const film = this.button("watch", () => watch(event));
-      film.textContent = WATCH;
+      const film = this.button("watch", () => watch(event), WATCH);
       film.setAttribute("aria-label", `${WATCH} ${when}, ${text}`);
       item.append(film);
     }
@@ -161,15 +208,12 @@ export class EventList {
   /**
    * @param {string} name
    * @param {() => void} act
+   * @param {(string | Node)[]} children
    */
-  button(name, act) {
-    const button = document.createElement("button");
-    button.type = "button";
-    button.className = name;
-    button.addEventListener("click", () => {
-      byId("events").close();
+  button(name, act, ...children) {
+    return button(name, () => {
+      this.close();
       act();
-    });
-    return button;
+    }, ...children);
   }
 }

@@ -336,8 +336,8 @@ function drawEvents(scene) {
     const isMain = isGoal(event) || EXTREMES.has(kind);
     const group = `${rare.has(kind) ? kind : ""} ${y}`;
     const { count, shape } = info.kinds[kind];
-    const isDetail = counts.get(kind) > MANY || (count === 0 && (!rare.has(kind) || shape === "bar"))
-      || (info.series && shape === "bar"); // ticks of time stand on the axis
+    const isTick = shape === "bar" && (kind !== "period" || info.series); // ticks of time stand on the axis
+    const isDetail = counts.get(kind) > MANY || (count === 0 && !rare.has(kind)) || isTick;
     if (!isMain && (isDetail || x - (lastX[group] ?? -CLOSE) < CLOSE)) {
       band.push(x);
       continue;

@@ -1,6 +1,6 @@
 // The marks of the event kinds: chips beside the picture and in the list of events, which hide a kind.
 
-import { byId } from "./dom.js";
+import { button, byId, made } from "./dom.js";
 import { drawKind, markOf } from "./marks.js";
 import { COLOURS } from "./picture.js";
 import { titleParts } from "./scores.js";
@@ -49,13 +49,10 @@ export function markIcon(mark) {
  */
 export function chipsOf(info, hidden, toggle) {
   return listedKinds(info).map(([id, kind]) => {
-    const chip = document.createElement("button");
-    chip.type = "button";
-    chip.className = "chip";
+    const chip = button("chip", () => toggle(id), markIcon(markOf(id, kind)),
+      kind.count > 0 ? `${nameOf(kind)} ${kind.count}` : nameOf(kind));
     chip.dataset.kind = id;
     chip.setAttribute("aria-pressed", String(!hidden.has(id)));
-    chip.append(markIcon(markOf(id, kind)), kind.count > 0 ? `${nameOf(kind)} ${kind.count}` : nameOf(kind));
-    chip.addEventListener("click", () => toggle(id));
     return chip;
   });
 }
@@ -88,9 +85,7 @@ export function fitLegend() {
  */
 export function showLegend(list, info) {
   list.replaceChildren(...listedKinds(info).map(([id, kind]) => {
-    const item = document.createElement("li");
     const count = kind.count > 0 ? `${nameOf(kind)} ${kind.count}` : whenZoomed(nameOf(kind));
-    item.append(markIcon(markOf(id, kind)), count);
-    return item;
+    return made("li", {}, markIcon(markOf(id, kind)), count);
   }));
 }

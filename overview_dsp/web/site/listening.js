@@ -1,6 +1,6 @@
 // Event listeners of the page: pointers, keys, buttons, settings and browser changes.
 
-import { byId } from "./dom.js";
+import { byId, made, on } from "./dom.js";
 import { EventList } from "./event_list.js";
 import { listenToKeys } from "./keys.js";
 import { bindSettings } from "./settings.js";
@@ -49,7 +49,7 @@ export function listen(page) {
     viewState.wheel(event);
   }, { passive: false });
   /** @type {(id: keyof Elements, act: () => void) => void} */
-  const click = (id, act) => byId(id).addEventListener("click", () => {
+  const click = (id, act) => on(id, "click", () => {
     page.start();
     act();
   });
@@ -61,14 +61,14 @@ export function listen(page) {
   click("next", () => step(1));
   click("run", () => page.playback.toggle());
   click("list", () => page.open("events"));
-  byId("twist").addEventListener("click", () => {
+  on("twist", "click", () => {
     byId("dialog").close();
     page.toggleTwist();
   });
-  byId("in").addEventListener("click", () => navigation.zoom(1));
-  byId("out").addEventListener("click", () => navigation.zoom(-1));
-  byId("whole").addEventListener("click", () => navigation.showWhole());
-  byId("all-values").addEventListener("click", () => {
+  on("in", "click", () => navigation.zoom(1));
+  on("out", "click", () => navigation.zoom(-1));
+  on("whole", "click", () => navigation.showWhole());
+  on("all-values", "click", () => {
     byId("dialog").close();
     page.openValues();
   });
@@ -84,10 +84,10 @@ export function listen(page) {
       else document.getElementById(name)?.click();
     });
   }
-  byId("settings").addEventListener("click", () => byId("dialog").showModal());
-  const terms = HELP.flatMap(([keys, act]) => [term("dt", keys), term("dd", act)]);
+  on("settings", "click", () => byId("dialog").showModal());
+  const terms = HELP.flatMap(([keys, act]) => [made("dt", {}, keys), made("dd", {}, act)]);
   byId("keys").replaceChildren(...terms);
-  byId("calibrate").addEventListener("click", () => page.calibrate());
+  on("calibrate", "click", () => page.calibrate());
   bindSettings(byId("settings-form"), page.settings, () => page.apply());
   document.addEventListener("visibilitychange", () => {
     if (!document.hidden) page.resume();
@@ -113,14 +113,4 @@ export function listen(page) {
   return new EventList(page.info, navigation, {
     go: (event) => page.goToEvent(event), watch, hidden: page.picture.hidden, toggle: (kind) => page.toggleKind(kind),
   });
-}
-
-/**
- * @param {string} name
- * @param {string} text
- */
-function term(name, text) {
-  const element = document.createElement(name);
-  element.textContent = text;
-  return element;
 }

@@ -1,8 +1,9 @@
 // A live timeline: the server sends notices, and the page updates while the disk isn't touched.
 
 import { patched } from "./data.js";
-import { byId } from "./dom.js";
+import { byId, made } from "./dom.js";
 import { MissedEvents } from "./missed.js";
+import { readableTitle } from "./scores.js";
 import { request } from "./session.js";
 import { eventText } from "./descriptions.js";
 import { NEW, WITHDRAWN } from "./page_words.js";
@@ -75,8 +76,7 @@ export class Live {
     this.notice = null; // newest notice
     this.busy = false;
     page.data.usesFiles = false; // the files are of an earlier version
-    this.line = document.createElement("p");
-    this.line.id = "live";
+    this.line = made("p", { id: "live" });
     this.line.setAttribute("role", "status");
     byId("window").after(this.line);
     this.missed = new MissedEvents(page, this.line);
@@ -130,8 +130,8 @@ export class Live {
     const { page } = this;
     /** @type {string[]} */
     const lines = [];
-    for (const { action, kind, label, time_s, pattern } of notice.changes.filter((one) => one.version > this.seenVersion)) {
-      const event = { kind, label, time_s };
+    for (const { action, kind, label, change, time_s, pattern } of notice.changes.filter((one) => one.version > this.seenVersion)) {
+      const event = { kind, label, change, time_s };
       const isKnown = page.info.kinds[kind] !== undefined;
       const text = isKnown ? eventText(event, page.info) : `${kind.replaceAll("_", " ")} ${label}`;
       this.missed.change(action, event);
@@ -220,7 +220,7 @@ export class Live {
     if (this.pending === pending) this.pending = null;
     data.allPoints = null; // values of the earlier version
     if (this.polls) data.pointsFile = `live/${this.loadedVersion}-points.json`;
-    Object.assign(page.info, info, { windows });
+    Object.assign(page.info, info, { windows, title: readableTitle(info.title) });
     viewState.windows = windows;
     if (!page.atHost) apply();
     viewState.soundingPart = part;

@@ -1,7 +1,7 @@
 // Start of the page: first the picture, then sound and input.
 
 import { Data } from "./data.js";
-import { byId } from "./dom.js";
+import { button, byId } from "./dom.js";
 import { fit } from "./fit.js";
 import { showTitle } from "./legend.js";
 import { Picture } from "./picture.js";
@@ -10,12 +10,9 @@ import { NO_NETWORK, notLoaded, TRY_AGAIN } from "./words.js";
 
 // not awaited: later imports need this script to have ended
 start().catch((error) => {
-  const again = document.createElement("button");
-  again.textContent = TRY_AGAIN;
-  again.addEventListener("click", () => location.reload());
   const reason = navigator.onLine ? error.message : NO_NETWORK;
   byId("fault").classList.add("link");
-  byId("fault").replaceChildren(notLoaded(reason), again);
+  byId("fault").replaceChildren(notLoaded(reason), button("", () => location.reload(), TRY_AGAIN));
   byId("stage").hidden = true;
 });
 

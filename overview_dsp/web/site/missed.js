@@ -1,11 +1,12 @@
 // What a person missed in a live timeline: new events since the last release, and a visit of them.
 
+import { button } from "./dom.js";
 import { positionAt } from "./angle_map.js";
 import { eventText } from "./descriptions.js";
 import { missed } from "./page_words.js";
 
 /** @import { Page } from "./page.js" */
-/** @typedef {{ kind: string, label: string, time_s: number }} NewEvent */
+/** @typedef {{ kind: string, label: string, change?: [number, string], time_s: number }} NewEvent */
 
 const REST_MS = 1000; // time at each event, in which the disk arrives and rests
 const BEYOND = 0.012; // distance beyond an event, so that the disk passes it
@@ -22,10 +23,8 @@ export class MissedEvents {
     this.events = [];
     this.visiting = false;
     this.wasTouched = false;
-    this.button = document.createElement("button");
-    this.button.type = "button";
+    this.button = button("", () => this.page.playback.whenReady(() => this.visit()));
     this.button.id = "missed";
-    this.button.addEventListener("click", () => this.page.playback.whenReady(() => this.visit()));
     line.after(this.button);
     this.show();
   }

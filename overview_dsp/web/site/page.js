@@ -4,7 +4,7 @@ import { showAbout } from "./about.js";
 import { readAddress } from "./address.js";
 import { positionAt, secondsAt } from "./angle_map.js";
 import { Announcer } from "./announcer.js";
-import { byId } from "./dom.js";
+import { byId, made } from "./dom.js";
 import { fit } from "./fit.js";
 import { Frames } from "./frames.js";
 import { CombinedInput } from "./combined_input.js";
@@ -78,6 +78,8 @@ export class Page {
     this.served = null;
     /** @type {DiskState | null} */
     this.meters = null;
+    /** The last input that touched the disk. @type {string | null} */
+    this.lastInput = null;
     this.cursor = 0;
     this.isOwn = this.wasFree = false; // whether this page moved a host's disk last, and it was released
     this.gain = 1; // of the setting
@@ -116,10 +118,7 @@ export class Page {
   /** Load the sound, show that it loads, then follow the URL. */
   async load() {
     await this.sound.load();
-    const more = document.createElement("span");
-    more.className = "wide";
-    more.textContent = TO_FEEL_IT;
-    byId("hint-text").replaceChildren(DRAG_HERE, more);
+    byId("hint-text").replaceChildren(DRAG_HERE, made("span", { className: "wide" }, TO_FEEL_IT));
     if (this.info.live) {
       const { Live } = await import("./live.js");
       this.live = new Live(this, this.info.live);
@@ -330,11 +329,7 @@ export class Page {
     showTitle(this.info);
     const focused = /** @type {HTMLElement | null} */ (document.activeElement)?.dataset.kind;
     const chips = chipsOf(this.info, this.picture.hidden, (kind) => this.toggleKind(kind));
-    byId("legend").replaceChildren(...chips.map((chip) => {
-      const item = document.createElement("li");
-      item.append(chip);
-      return item;
-    }));
+    byId("legend").replaceChildren(...chips.map((chip) => made("li", {}, chip)));
     fitLegend();
     chips.find(({ dataset }) => dataset.kind === focused)?.focus();
   }
@@ -357,6 +352,7 @@ export class Page {
 
   /** Fit the texts to the window, and the picture to the rest. */
   fit(isResized = true) {
+    this.list?.show(this.view, this.strip.whole);
     if (!fit(this.view, this.info, isResized)) return;
     fitLegend();
     this.picture.resize();
@@ -415,7 +411,12 @@ export class Page {
   }
 
   draw() {
-    const touching = this.input.active !== null;
+    const { active } = this.input;
+    const touching = active !== null;
+    this.lastInput = active ?? this.lastInput;
+    const isLetGo = !touching && this.lastInput !== null && this.lastInput !== "play" && (!this.atHost || this.isOwn);
+    byId("let-go").style.visibility = isLetGo ? "visible" : "";
+    if (touching) this.list?.mark(this.currentEvent);
     const torque = (this.meters?.torque ?? 0) / this.info.reference_torque;
     this.picture.draw({ cursor: this.cursor, input: this.reading, touching, torque });
     this.slider.show(this.view, this.reading, this.info);

@@ -1,7 +1,7 @@
 // Play, Share, and the actions of the URL.
 
 import { eventName, linkTo, momentAt, readAddress } from "./address.js";
-import { byId } from "./dom.js";
+import { byId, on } from "./dom.js";
 import { gestureOf, Player, gestureText, SWEEP } from "./player.js";
 import { partBetween, partContaining } from "./windows.js";
 import { momentText } from "./descriptions.js";
@@ -33,7 +33,7 @@ export class Playback {
       page.announcer.say(sweep ? playing(sweep.seconds) : stopped);
       page.wake();
     });
-    byId("share").addEventListener("click", () => this.share());
+    on("share", "click", () => this.share());
   }
 
   /** The gesture that Play plays: that of the URL, or a sweep. */

@@ -3,7 +3,7 @@
 
 import { PROFILE, drawingOf, MAP } from "./editor_drawing.js";
 import { labelOf, rowOf, valueText } from "./editor_rows.js";
-import { byId } from "./dom.js";
+import { byId, made, on } from "./dom.js";
 import { request, post } from "./session.js";
 
 /** @import { Drawing, EventKind, Parameter, Preset } from "../types" */
@@ -48,15 +48,15 @@ export class PresetEditor {
     this.busy = this.isSearching = false;
     /** @type {string[]} */
     this.openSections = [];
-    byId("editor-close").addEventListener("click", () => this.toggle(false));
-    byId("editor-a").addEventListener("click", () => this.choose(0));
-    byId("editor-b").addEventListener("click", () => this.choose(1));
-    byId("editor-undo").addEventListener("click", () => this.undo());
-    byId("editor-find").addEventListener("input", () => this.show());
-    byId("editor-preset").addEventListener("change", () => this.load(byId("editor-preset").value));
-    byId("editor-name").addEventListener("input", () => this.offer(false));
-    byId("editor-download").addEventListener("click", () => this.tryTo(() => this.download()));
-    byId("editor-save").addEventListener("click", () => this.tryTo(() => this.save()));
+    on("editor-close", "click", () => this.toggle(false));
+    on("editor-a", "click", () => this.choose(0));
+    on("editor-b", "click", () => this.choose(1));
+    on("editor-undo", "click", () => this.undo());
+    on("editor-find", "input", () => this.show());
+    on("editor-preset", "change", () => this.load(byId("editor-preset").value));
+    on("editor-name", "input", () => this.offer(false));
+    on("editor-download", "click", () => this.tryTo(() => this.download()));
+    on("editor-save", "click", () => this.tryTo(() => this.save()));
   }
 
   /** The presets of A and B, once they are loaded. */
@@ -107,12 +107,12 @@ export class PresetEditor {
   }
 
   /**
-   * Change to a preset by its name, even if the editor is closed.
+   * Change to a preset by its name, even if the editor is closed; throw an Error if there is none.
    * @param {string} name
    */
   async use(name) {
     if (this.sides === null) await this.begin();
-    await this.load(name);
+    if (!(await this.load(name))) throw new Error(byId("editor-message").textContent);
   }
 
   async begin() {
@@ -209,11 +209,7 @@ export class PresetEditor {
     byId("editor-undo").disabled = this.history.length === 0;
     const lines = this.differences();
     byId("editor-difference").textContent = lines.length === 0 ? "A and B are equal" : `A and B differ in ${lines.length}`;
-    byId("editor-difference-list").replaceChildren(...lines.map((line) => {
-      const item = document.createElement("li");
-      item.textContent = line;
-      return item;
-    }));
+    byId("editor-difference-list").replaceChildren(...lines.map((line) => made("li", {}, line)));
   }
 
   /** Return one line for each parameter in which A and B differ. */
@@ -271,11 +267,7 @@ export class PresetEditor {
    * @param {[{ points: number[] }, Drawing] | undefined} drawings
    */
   section(name, rows, open, drawings) {
-    const details = document.createElement("details");
-    details.id = `section ${name}`;
-    const summary = document.createElement("summary");
-    summary.textContent = name;
-    details.append(summary);
+    const details = made("details", { id: `section ${name}` }, made("summary", {}, name));
     const fill = () => {
       if (!details.open || details.children.length > 1) return;
       // the shape as it is comes first
@@ -346,9 +338,7 @@ export class PresetEditor {
 
   async download() {
     const file = new Blob([await this.toml()], { type: "application/toml" });
-    const link = document.createElement("a");
-    link.href = URL.createObjectURL(file);
-    link.download = `${this.name || this.preset.name}.toml`;
+    const link = made("a", { href: URL.createObjectURL(file), download: `${this.name || this.preset.name}.toml` });
     link.click();
     setTimeout(() => URL.revokeObjectURL(link.href), 1e4);
   }

@@ -1,31 +1,21 @@
-// Scores of a match on the whole timeline, by the sides of its goals, or else by the labels of the goals, which
-// then begin with the score ("1-0 Parris").
+// Scores of a match on the whole timeline.
 
 /** @import { Info, TimelineEvent, View } from "../types" */
 
 const GOALS = new Set(["goal", "own_goal"]);
-const SCORE = /^(\d+)-(\d+)(?!\S)/;
 
 /** Return whether an event is a goal. @param {TimelineEvent} event */
 export const isGoal = ({ kind }) => GOALS.has(kind);
 
 /**
- * Set the score after each goal of a whole timeline, and the side of goals without sides.
+ * Write the scores of a whole timeline with a dash, and set the side of goals without sides.
  * @param {TimelineEvent[]} events
  */
 export function setScores(events) {
   let before = [0, 0];
-  const goals = events.filter(isGoal);
-  if (goals.length > 0 && goals.every(({ side }) => side)) {
-    for (const event of goals) {
-      before[Number(event.side) - 1] += 1;
-      event.score = before.join("\u2013");
-    }
-    return;
-  }
-  for (const event of goals) {
-    const after = event.label.match(SCORE)?.slice(1).map(Number);
-    if (!after) continue;
+  for (const event of events) {
+    if (!event.score) continue;
+    const after = event.score.split("-").map(Number);
     event.score = after.join("\u2013");
     const rises = after.map((count, i) => count > before[i]);
     if (rises[0] !== rises[1]) event.side = rises[0] ? 1 : 2;
@@ -54,6 +44,15 @@ export function copyScores(view, whole) {
  * @param {TimelineEvent} b
  */
 export const isSameEvent = (a, b) => a.kind === b.kind && a.label === b.label && Math.abs(a.time_s - b.time_s) < 1e-6;
+
+/**
+ * Return a title with spaces for the marks of a file name.
+ * @param {string} title
+ */
+export function readableTitle(title) {
+  const [name] = title.split(": ");
+  return name.includes(" ") ? title : name.replace(/[-_]+(?=\p{L})/gu, " ") + title.slice(name.length);
+}
 
 /**
  * Return the parts of a match's title, "A 2-1 B, final": both names, what is between them, and what follows;

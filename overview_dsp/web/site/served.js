@@ -2,7 +2,7 @@
 
 import { secondsAt } from "./angle_map.js";
 import { PresetEditor } from "./preset_editor.js";
-import { byId } from "./dom.js";
+import { byId, made, on } from "./dom.js";
 import { MediaPlayer } from "./media_player.js";
 import { HostSound } from "./host_sound.js";
 import { PresetLink } from "./preset_link.js";
@@ -30,20 +30,18 @@ export class Served {
    */
   constructor(page, media, pages, host) {
     this.page = page;
-    const style = document.createElement("link");
-    Object.assign(style, { rel: "stylesheet", href: new URL("served.css", import.meta.url).href });
-    document.head.append(style);
+    document.head.append(made("link", { rel: "stylesheet", href: new URL("served.css", import.meta.url).href }));
     this.film = media && new MediaPlayer(media);
     this.editor = new PresetEditor((before, after, surface) => page.changePreset(before, after, surface), page.input);
     byId("play").hidden = byId("watch").hidden = this.film === null;
-    byId("play").addEventListener("click", () => this.watch(page.currentEvent));
+    on("play", "click", () => this.watch(page.currentEvent));
     byId("tune").hidden = false;
-    byId("tune").addEventListener("click", () => {
+    on("tune", "click", () => {
       byId("dialog").close();
       this.editor.toggle(true);
     });
     byId("learn").hidden = !pages.includes("learn");
-    byId("learn").addEventListener("click", () => location.assign("learn/"));
+    on("learn", "click", () => location.assign("learn/"));
     this.presets = new PresetLink(page, this.editor);
     if (host) this.listenToHost(host);
   }
@@ -58,7 +56,7 @@ export class Served {
       if (Math.abs(cursor - page.cursor) > 1e-4) page.wake();
     };
     sound.onothers = (others) => this.showOthers(others);
-    byId("mark").addEventListener("click", () => {
+    on("mark", "click", () => {
       sound.link.mark();
       page.announcer.say("mark set");
     });
@@ -73,9 +71,7 @@ export class Served {
   showOthers(others) {
     const { geometry } = this.page.picture;
     byId("others").replaceChildren(...others.map(({ name, position, active }) => {
-      const finger = document.createElement("b");
-      finger.textContent = name || "another";
-      finger.className = active ? "active" : "";
+      const finger = made("b", { className: active ? "active" : "" }, name || "another");
       finger.style.transform = `translateX(${geometry.x(position).toFixed(1)}px)`;
       finger.style.top = `${geometry.groove - 6}px`;
       return finger;

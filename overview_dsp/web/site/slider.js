@@ -1,7 +1,7 @@
 // Texts of the picture: the slider's value for assistive technology, and a line above the picture.
 
 import { secondsAt } from "./angle_map.js";
-import { byId } from "./dom.js";
+import { byId, made } from "./dom.js";
 import {
   eventAt, gapText, momentText, numberAt, positionText, scoreAt, shortEvent, summaryText,
 } from "./descriptions.js";
@@ -69,12 +69,8 @@ export class Slider {
    */
   showScore(score) {
     if (byId("number").textContent === score) return;
-    const [one, two] = score.split("\u2013").map((digits, i) => {
-      const element = document.createElement("span");
-      element.className = i === 0 ? "one" : "two";
-      element.textContent = digits;
-      return element;
-    });
+    const [one, two] = score.split("\u2013").map((digits, i) =>
+      made("span", { className: i === 0 ? "one" : "two" }, digits));
     byId("number").replaceChildren(...(two ? [one, "\u2013", two] : []));
   }
 

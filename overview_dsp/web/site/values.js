@@ -15,7 +15,7 @@ const formats = new Map(); // by their decimals
  * @param {number} value
  * @param {number} decimals
  */
-function localNumber(value, decimals) {
+function localNumber(value, decimals, sign = "") {
   let format = formats.get(decimals);
   if (!format) {
     format = new Intl.NumberFormat(LOCALES, {
@@ -23,7 +23,7 @@ function localNumber(value, decimals) {
     });
     formats.set(decimals, format);
   }
-  return format.format(value + 0).replace("-", "\u2212"); // no sign of zero
+  return (value > 0 ? sign : "") + format.format(value + 0).replace("-", "\u2212"); // no sign of zero
 }
 
 /**
@@ -71,6 +71,16 @@ export function valueText(value, { series }) {
  */
 export function numberText(value, { series }) {
   return value === undefined || !series ? "" : localNumber(value, series.decimals);
+}
+
+/**
+ * Return a change with its sign and unit; a unit that is not the values' is per cent.
+ * @param {[number, string]} change
+ * @param {Pick<Info, "series">} info
+ */
+export function changeText([change, unit], { series }) {
+  const decimals = unit === series?.unit ? series.decimals : 2;
+  return `${localNumber(change, decimals, "+")} ${unit}`.trim();
 }
 
 /**

@@ -47,11 +47,12 @@ test("the highest point is announced as itself, also beside an event", () => {
 });
 
 test("no date, value or kind occurs twice in the text of an event", () => {
-  /** @type {(kind: string, label: string, value?: number) => string} */
-  const text = (kind, label, value) => eventText({ kind, label, value, time_s: 0, position: 0 }, SERIES);
+  /** @type {(kind: string, label: string, value?: number, change?: [number, string]) => string} */
+  const text = (kind, label, value, change) => eventText({ kind, label, value, change, time_s: 0, position: 0 }, SERIES);
   assert.equal(text("peak", "peak 143.74, 2008-07-02", 143.74), "peak, 143.74 dollars");
-  assert.equal(text("largest_fall", "-5.2 % to 90.1, 2008-07-02", 90.1),
-    "largest fall, \u22125.2 %, 90.10 dollars");
+  assert.equal(text("largest_fall", "", 90.1, [-5.2, "%"]), "largest fall, \u22125.20 %, 90.10 dollars");
+  assert.equal(text("largest_fall", "", 90.1, [-5.2, "dollars"]), "largest fall, \u22125.20 dollars, 90.10 dollars");
+  assert.equal(text("largest_fall", "", 90.1), "largest fall, 90.10 dollars");
   assert.equal(text("month", "August 2008", 1), "month begins");
   assert.equal(text("launch", "the launch of A", 1), "the launch of A");
 });
