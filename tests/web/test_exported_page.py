@@ -561,6 +561,27 @@ def test_the_names_of_a_match_stand_beside_the_marks_of_their_goals(opened):
     assert page.evaluate(colour.format(0)) != page.evaluate(colour.format(1))
 
 
+def test_the_page_says_where_you_released_it_and_not_where_play_ended(opened):
+    def is_told():
+        return opened.evaluate("getComputedStyle(document.getElementById('let-go')).visibility")
+
+    assert is_told() == "hidden"
+    opened.mouse.move(*at(opened, 0.4))
+    opened.mouse.down()
+    until(opened, "p.input.active === 'touch' && p.cursor > 0.3")
+    assert is_told() == "hidden"
+    opened.mouse.up()
+    until(opened, "document.getElementById('let-go').style.visibility === 'visible'")
+    assert is_told() == "visible"
+    assert opened.text_content("#when").endswith(", where you released it")
+    opened.evaluate("overview.settings.sweep = 2")
+    opened.click("#run")
+    until(opened, "p.lastInput === 'play'")  # as drawn
+    assert is_told() == "hidden"
+    until(opened, "p.input.active === null && p.cursor < 0.01")
+    assert is_told() == "hidden"
+
+
 def test_a_phone_that_cannot_vibrate_says_so(chromium, site):
     with opened_host(site) as host:
         context = chromium.new_context(viewport=PHONE, has_touch=True)
@@ -792,12 +813,12 @@ def test_the_page_unpacks_every_bit_of_what_was_packed(opened):
 @pytest.mark.soak
 def test_firefox_shows_it_to_keys_zooms_and_plays_it_too(firefox, site, tmp_path):
     folder = shutil.copytree(site, tmp_path / "site")
-    shutil.copy(Path(__file__).parent / "page" / "alone.js", folder)
+    shutil.copy(Path(__file__).parent / "page" / "without_driver.js", folder)
     start = folder / "index.html"
     own = '<script type="module" src="main.js"></script>'
     assert own in start.read_text()
     held = f'<img src="{HELD}" alt="" hidden>'
-    page = start.read_text().replace(own, own + own.replace("main", "alone"))
+    page = start.read_text().replace(own, own + own.replace("main", "without_driver"))
     start.write_text(page.replace("</main>", f"{held}</main>"))
     picture = tmp_path / "firefox.png"
     with opened_host(folder) as host, null_sink(tmp_path) as environment:
@@ -807,8 +828,13 @@ def test_firefox_shows_it_to_keys_zooms_and_plays_it_too(firefox, site, tmp_path
     assert "error" not in told, told
     assert told["event"] == "9:50, near miss (synthetic)"
     drawn = np.round(255 * imread(picture)[:, :, :3]).astype(int)
-    for colour, least in (((228, 234, 238), 5_000), ((125, 146, 164), 100), ((36, 64, 90), 5_000)):
-        # the curve's area, its line, the disk
+    for colour, least in (
+        ((235, 233, 228), 5_000),  # the curve's area
+        ((121, 133, 145), 100),  # its line ahead of the disk
+        ((22, 32, 43), 1_000),  # the disk
+        ((23, 86, 196), 100),  # marks of the first team
+        ((154, 27, 115), 100),  # and of the second
+    ):
         assert (np.abs(drawn - colour).max(axis=2) <= 2).sum() > least
     assert 0.2 < told["swept"] < 1
     assert told["meters"]["clock"] > 0
