@@ -55,7 +55,7 @@ from overview_dsp.data.timeline.gaps import in_gap
 from overview_dsp.data.timeline.ticks import KINDS as TICKS
 from overview_dsp.data.timeline.time_expressions import NARROWEST_S
 from overview_dsp.design.presets.model import Preset
-from overview_dsp.live.screen.position_report import DERIVED_UNIT, running_scores
+from overview_dsp.live.screen.position_report import running_scores
 from overview_dsp.offline.export.browser_memory import event_numbers
 from overview_dsp.offline.plots.style import KIND_STYLE
 from overview_dsp.signal.surface.angle_map import AngleMap

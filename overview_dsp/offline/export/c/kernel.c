@@ -1,5 +1,5 @@
 /* overView DSP: the voice in C, for overview.h. Made by tools/build_c.py from the Python kernels.
-   kernels bb12081cfd329f27
+   kernels b6e2a6b32739772a
    numba 0.68.1, llvmlite 0.50.0 */
 #include "operations.h"
 
