@@ -391,7 +391,7 @@ def test_output_rate_and_blocks_change_while_it_plays_and_a_refusal_changes_noth
             (("rate", "5"), "must be 1000 to 768000 Hz"),
             (("block-size", "-1"), "must be 0 to 8192"),
             (("channels", "1", "1"), "both use channel 1"),
-            (("channels", "1", "2,3"), "must be a number, several numbers (3+4), or 0"),
+            (("channels", "1", "2,"), "several numbers (3+4), those of each tactor (3,4), or 0"),
             (("actuator", "nothing"), "nothing"),
             (("gain", "left", "3"), "must be click or tactor"),
             (("dance",), "unknown command"),
