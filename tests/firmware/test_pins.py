@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import configparser
 import re
 import sys
 import types
 
 import pytest
 
+import overview_dsp as ov
 from tests.firmware.boards import FIRMWARE, needs, run
 
 ESP32_TAKEN = {0, 1, 2, 3, 5, 12, 15, *range(6, 12), 20, 24, *range(28, 32)}
@@ -111,3 +113,20 @@ def test_micropython_uses_the_pins_of_its_board(monkeypatch, platform, machine, 
     name, columns, read = found()
     assert (name, columns, read()) == ("potentiometer", "pot", "1023")
     assert tuple(used) == wanted
+
+
+@pytest.mark.parametrize("folder", ["firmware", "exported"])
+def test_each_environment_of_platformio_compiles_a_sketch(folder, match, tmp_path):
+    """PlatformIO finds sketches at the top of its folder only: a file there includes each."""
+    root = FIRMWARE
+    if folder == "exported":
+        root = tmp_path
+        ov.export.export_board(match, ov.load_preset("football"), root)
+    config = configparser.ConfigParser()
+    config.read(root / "platformio.ini")
+    assert config["platformio"]["src_dir"] == "."
+    built = {one["build_src_filter"] for one in config.values() if "build_src_filter" in one}
+    assert len(built) == (3 if folder == "firmware" else 2)
+    for pattern in built:
+        source = (root / pattern.removeprefix("+<").removesuffix(">")).read_text("utf-8")
+        assert (root / re.search(r'#include "(.*\.ino)"', source)[1]).is_file()

@@ -36,6 +36,12 @@ _EDGE = 1 << 14  # an edge's position of one cell
 _RING = 100.0 / 160.0  # part of a click's length until -100 dB, the last bit of 16
 
 
+_WRAPPER = """// The sketch, as PlatformIO compiles it.
+#include <Arduino.h>
+#include "{0}/{0}.ino"
+"""
+
+
 def export_board(
     timeline: Timeline, preset: Preset, folder: str | os.PathLike[str], *, seed: int = 0
 ) -> list[Path]:
@@ -67,7 +73,7 @@ def export_board(
     Examples
     --------
     >>> [path.name for path in ov.export.export_board(match, football, "alone")][:3]
-    ['README.txt', 'platformio.ini', 'teensy4.ino']
+    ['README.txt', 'platformio.ini', 'teensy4.cpp']
     """
     to = validation.path(folder, "folder")
     engine = Engine(preset, timeline, seed=seed)
@@ -86,6 +92,7 @@ def export_board(
         shared[name] = (LIBRARY.bundled_folder / "knob" / name).read_bytes()
     contents = {name: (source / name).read_bytes() for name in ("README.txt", "platformio.ini")}
     for board in BOARDS:
+        contents[f"{board}.cpp"] = _WRAPPER.format(board).encode()
         contents[f"{board}/{board}.ino"] = (source / f"{board}.ino").read_bytes()
         contents |= {f"{board}/{name}": content for name, content in shared.items()}
     return write_files(to, contents)

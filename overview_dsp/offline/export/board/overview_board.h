@@ -3,7 +3,7 @@
     #include "overview_board.h"
     #include "timeline.h"                                  // written by `overview export --to board`
 
-    static OverviewBoard voice;                            // 5 kB; several voices may share a timeline
+    static OverviewBoard voice;                            // 4 kB; several voices may share a timeline
     overview_board_init(&voice, &OVERVIEW_TIMELINE);
     for (;;) {                                             // at OVERVIEW_SAMPLE_RATE
         overview_board_set(&voice, theta2, touching);      // rad, 0 to pi; any number of times
@@ -402,8 +402,9 @@ sample on. On release, the disk still moves to the last angle, then it recoils. 
 static inline void overview_board_set(OverviewBoard *v, float theta2, int touching) {
     const float *c = v->timeline->coefficients;
     OverviewPosition at;
-    if (theta2 - theta2 != 0.0f) return; /* not a finite number */
-    at = ov_moved(ov_place(0), ov_min(ov_max(theta2 * 20860.7567f, 0.0f), (float)OVERVIEW_CELLS));
+    at = v->target; /* the last angle, if this one isn't a finite number */
+    if (theta2 - theta2 == 0.0f)
+        at = ov_moved(ov_place(0), ov_min(ov_max(theta2 * 20860.7567f, 0.0f), (float)OVERVIEW_CELLS));
     if (touching && !v->touching) {
         v->input = v->target = v->y1 = v->y2 = at;
         v->wound = v->slip = 0.0f;

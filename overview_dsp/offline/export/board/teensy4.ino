@@ -31,7 +31,7 @@ static OverviewBoard board;
 
 class Voice : public AudioStream {
  public:
-  Voice() : AudioStream(0, NULL) {}
+  Voice() : AudioStream(0, NULL) { overview_board_init(&board, &OVERVIEW_TIMELINE); }
   void update() override {
     static float click[AUDIO_BLOCK_SAMPLES], tactor[AUDIO_BLOCK_SAMPLES];
     overview_board_set(&board, hand_theta2, hand_touches);
@@ -55,9 +55,8 @@ static AudioOutputI2S output;
 static AudioConnection left(voice, 0, output, 0), right(voice, 1, output, 1);
 
 void setup() {
-  overview_board_init(&board, &OVERVIEW_TIMELINE);
   hand_begin();
-  AudioMemory(8);  // from here on update() runs
+  AudioMemory(8);  // without blocks, update() sends nothing
 }
 
 void loop() { hand_read(); }

@@ -1,0 +1,3 @@
+// The sketch, as PlatformIO compiles it.
+#include <Arduino.h>
+#include "imu/imu.ino"
