@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import overview_dsp as ov
+from overview_dsp.kernels.device import router
 from overview_dsp.kernels.device.callback import native_callback
 from overview_dsp.live.output.settings import parse_channels
 from overview_dsp.live.output.stream import connect, run_block
@@ -187,3 +188,31 @@ def test_settings_of_several_tactors_are_kept(tmp_path, monkeypatch):
 def test_a_wrong_number_of_tactors_is_refused(match, count):
     with pytest.raises(ov.InputError, match="tactors"):
         ov.render(match, "football", "sweep:1", RATE, tactors=count)
+
+
+def test_a_stream_that_opens_again_begins_where_the_disk_is(match):
+    engine = ov.Engine(ov.load_preset("football"), match)
+    engine.prepare(RATE, 512)
+    settings = ov.live.OutputSettings().changed(tactor={"channel": ((2,), (3,))})
+    connect(engine, settings)
+    engine.control(3.0, True)
+    for _ in range(40):
+        run_block(engine, np.zeros((512, 3), np.float32))
+    before = engine.router.memory[router.WEIGHTS :][:2].copy()
+    connect(engine, settings)
+    assert before[1] > 0.9
+    assert engine.router.memory[router.WEIGHTS :][:2] == pytest.approx(before, abs=1e-3)
+
+
+def test_a_page_has_one_tactor(match):
+    engine = ov.Engine(ov.load_preset("football"), match)
+    engine.prepare(RATE, 512)
+    settings = ov.live.OutputSettings().changed(tactor={"channel": ((2,), (3,))})
+    with pytest.raises(ov.InputError, match="one tactor"):
+        ov.export.encode_engine(engine, settings)
+
+
+@pytest.mark.parametrize("channel", [(), ((), (3,)), ([], [])])
+def test_a_tactor_without_a_channel_is_refused(channel):
+    with pytest.raises(ov.InputError, match="empty"):
+        ov.live.SignalSettings(channel)

@@ -97,6 +97,7 @@ class OutputStream(stream.Stream):
         if device == library.PAD:
             device = find_device(device).index
         channels = stream.connect(engine, settings)
+        self._router = engine.router  # the callback uses its memory
         keywords: dict[str, Any] = {
             "samplerate": engine.sample_rate, "blocksize": block_size, "device": device,
             "channels": channels, "dtype": "float32", "latency": latency,

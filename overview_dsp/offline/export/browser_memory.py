@@ -30,6 +30,7 @@ from numpy.typing import NDArray
 
 from overview_dsp.design.gestures import SOURCES
 from overview_dsp.design.presets.model import Preset
+from overview_dsp.errors import InputError
 from overview_dsp.kernels import layout, memory_image
 from overview_dsp.kernels.memory_image import CHANGE, DATA, FILL, INTEGRAL, TABLE, WHOLE
 from overview_dsp.live.output.settings import OutputSettings
@@ -89,7 +90,7 @@ def encode_engine(engine: Engine, settings: OutputSettings | None = None) -> byt
     NotPreparedError
         Before `prepare`.
     InputError
-        The sample rate is too low for the settings' actuator.
+        The sample rate is too low for the settings' actuator, or they have several tactors.
 
     Examples
     --------
@@ -99,6 +100,8 @@ def encode_engine(engine: Engine, settings: OutputSettings | None = None) -> byt
     >>> len(memory) < 1_000_000
     True
     """
+    if settings is not None and len(settings.tactor.tactors) > 1:
+        raise InputError("a page has one tactor; use + between its channels (3+4)")
     channels = connect(engine, settings)
     bits = engine.memory.view(np.uint64)
     head = _head(WHOLE, [], stamp_of(None), engine.sample_rate, channels)

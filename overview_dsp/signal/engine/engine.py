@@ -256,10 +256,10 @@ class Engine:
             self._router.write(slot, surface)
 
     def set_tactors(self, count: int) -> TactorRouter | None:
-        """Choose the number of tactors that share the tactor's signal, before a stream starts.
+        """Choose the number of tactors that share the tactor's signal; not while a stream is open.
 
-        `process` still writes one signal. A stream, or a render with `tactors`, splits it as the
-        preset's `tactor.routing` says.
+        `process` still writes one signal, which the router splits as the preset's
+        `tactor.routing` says. A stream takes the number from its settings.
 
         Parameters
         ----------
@@ -293,7 +293,8 @@ class Engine:
                 if self._router is not None and surface is not None:
                     self._router.write(slot, surface)
         if self._router is not None:
-            self._router.reset()
+            cursor = float(self._f64[layout.X]) / layout.CELLS
+            self._router.reset(int(self._i64[layout.ACTIVE_SLOT]), cursor)
         return self._router
 
     @property

@@ -54,9 +54,10 @@ class TactorRouter:
                 places[int(first) : int(last) + 1] = number - 1.0 if number else router.ALL
         self.memory[router.PLACES + slot * cells :][:cells] = places
 
-    def reset(self) -> None:
-        """Start at the first position of slot 0."""
-        place = self.memory[router.PLACES]
+    def reset(self, slot: int = 0, cursor: float = 0.0) -> None:
+        """Start at a position (0 to 1) of the surface in a slot."""
+        cell = int(min(max(cursor, 0.0), 1.0) * layout.CELLS)
+        place = self.memory[router.PLACES + slot * (layout.CELLS + 1) + cell]
         away = np.abs(place - np.arange(router.MAX_TACTORS))
         weights = np.sqrt(np.maximum(0.0, 1.0 - away)) if place != router.ALL else 1.0
         self.memory[router.WEIGHTS :][: router.MAX_TACTORS] = weights
