@@ -286,18 +286,21 @@ def _encoded(data: NDArray[Any], rate: int, form: str, subtype: str) -> bytes:
     return file.getvalue()
 
 
+FLAC_CHANNELS = 8  # most channels of a FLAC file
+
+
 def _cannot_hold(
     path: Path, form: str, subtype: str, channels: int, rate: int, error: Any
 ) -> InputError:
     reason = error.error_string.removeprefix("Error : ").strip(" .")
     return InputError(
         f"{path}: {form} {subtype} can't hold {channels} channels at {rate} Hz ({reason}); "
-        "use wav or flac, or another rate"
+        f"use wav{' or flac' if channels <= FLAC_CHANNELS else ''}, or another rate"
     )
 
 
 class SavableSound:
-    """Mixin with `save`, for `samples`, float32 (frames, 2), at a `sample_rate` (Hz)."""
+    """Mixin with `save`, for `samples`, float32 (frames, channels), at a `sample_rate` (Hz)."""
 
     samples: SampleArray
     sample_rate: float

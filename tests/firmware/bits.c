@@ -41,7 +41,7 @@ static void say_bits(uint32_t bits) {
 }
 
 /* not inlined: it saves floating-point registers, which are switched on before it */
-__attribute__((noinline)) static void run(void) {
+__attribute__((noinline)) static int run(void) {
     static const uint8_t ALIVE[] = {KNOB_ALIVE, 1};
     uint32_t bits, n;
     float torque;
@@ -54,26 +54,11 @@ __attribute__((noinline)) static void run(void) {
         say_bits(bits);
     }
     say_bits(knob.refused);
+    return 0;
 }
 
 #if defined(__arm__)
-extern void initialise_monitor_handles(void);
-extern uint32_t __stack_top__, __bss_start__, __bss_end__;
-void Reset_Handler(void);
-void _exit(int);
-
-__attribute__((section(".vectors"), used)) static void *const VECTORS[] = {&__stack_top__,
-                                                                          (void *)Reset_Handler};
-
-void Reset_Handler(void) {
-    uint32_t *at;
-    *(volatile uint32_t *)0xE000ED88 |= 0xFu << 20; /* the floating-point unit, where there is one */
-    for (at = &__bss_start__; at < &__bss_end__; at++) *at = 0;
-    initialise_monitor_handles();
-    run();
-    fflush(stdout);
-    _exit(0);
-}
+#include "../../tools/cortex_m_start.h"
 #else
 int main(void) {
 #if defined(__AVR__)

@@ -129,6 +129,20 @@ def test_a_signal_is_heard_on_all_its_channels_sample_for_sample(match, football
     assert np.array_equal(replayed[: len(rendered)], rendered)
 
 
+@pytest.mark.parametrize("kind", ["native", "python"])
+def test_each_tactor_is_heard_on_its_channel_sample_for_sample(match, football, tmp_path, kind):
+    rendered = ov.render(match, football, GESTURE, tail=1.0, trace=False, tactors=3).samples
+    expected = rendered[:, [0, 1, 3, 2]]
+    path = tmp_path / "heard.npy"
+    for _ in range(jack_server.ATTEMPTS):
+        with jack_server.Server(period=512, outputs=4) as server:
+            server.run(PLAY, path, 256, kind, 4.0, "1", "2,4,3")
+        heard = aligned(np.load(path), expected)
+        if np.array_equal(heard, expected):
+            break
+    assert np.array_equal(heard, expected)
+
+
 HELD = """
 import ctypes, json, sys, time
 import overview_dsp as ov

@@ -83,6 +83,17 @@ def test_a_team_is_felt_by_its_tactor(match):
         assert energy[side - 1] > 0.9 * energy.sum(), index
 
 
+def test_a_notebook_shows_and_plays_eight_tactors(match):
+    page = render(match, "football", 8, "sweep:1")._repr_html_()
+    assert "<audio" in page
+
+
+def test_flac_holds_seven_tactors_and_says_so(match, tmp_path):
+    with pytest.raises(ov.InputError, match=r"can't hold 9 channels .* use wav, or another rate"):
+        render(match, "football", 8, "sweep:1").save(tmp_path / "arm.flac")
+    render(match, "football", 7, "sweep:1").save(tmp_path / "arm.flac")
+
+
 def test_silence_is_silence_on_every_tactor(match):
     samples = render(match, "football", 8).samples
     assert not samples[-200:].any()

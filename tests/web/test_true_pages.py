@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import os
 import warnings
 from collections import Counter
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -17,7 +15,7 @@ from overview_dsp.web.static_site import write_site
 from tests.web.driving import PHONE, until
 from tests.web.exported import opened_host
 from tests.web.layouts import events_of
-from tests.web.test_values import with_gaps
+from tests.web.test_values import shared, with_gaps
 
 POSITIONS = 100
 
@@ -74,13 +72,6 @@ DRAWN = """async () => {
         return counts[kind] > 12 && isBeside ? "left out" : "nothing";
     });
 }"""
-
-
-def shared(name, **given):
-    folder = os.environ.get("OVERVIEW_TEST_DATA")
-    if not folder:
-        pytest.skip("needs other people's series: OVERVIEW_TEST_DATA")
-    return ov.load_timeline(Path(folder) / name, **given)
 
 
 def spiky(seed, count):

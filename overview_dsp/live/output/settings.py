@@ -255,7 +255,7 @@ def parse_channels(text: str) -> Channels:
 def _check_channels(channel: Any) -> Channels:
     """Return one channel, several as a tuple, or those of each tactor; InputError."""
     groups = tuple(channel) if isinstance(channel, list | tuple) else (channel,)
-    if not all(group != () and group != [] for group in (groups or ((),))):
+    if not groups or () in groups or [] in groups:
         raise InputError("channels are empty; use 0 for none")
     split = all(isinstance(group, list | tuple) for group in groups)
     if len(groups) > MAX_TACTORS and split:

@@ -303,7 +303,7 @@ class PlayApp(App[None]):
         last_s = window.window_timeline.known_until_s or window.window_timeline.duration_s
         finger = self._finger[0] if self._finger else float(window.angle_map.position_of(last_s))
         (moment, end, value), _, event = self._report.here(finger)
-        end = "where you let go" if self._finger and place is None else end
+        end = "where you released it" if self._finger and place is None else end
         named = [] if event is None else view.cells(*self._labels.named(event))
         source = (status.following or "") if self._source is None else self._source.status_text
         recording = f"take: {status.recording}" if status.recording else ""

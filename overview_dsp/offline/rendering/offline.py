@@ -146,7 +146,11 @@ class RenderResult(SavableSound, Generic[Traced]):
         engaged = self.trace.engaged if self.trace is not None else None
         spoken = transcript(self.strikes, timeline, engaged, self.sample_rate)
         passed = len(self.strikes.of_events())
-        return result_page(title, self.samples, self.sample_rate, rows, spoken, passed)
+        felt = self.samples[:, 1:]
+        # of several tactors, the one that vibrates most
+        loudest = np.take_along_axis(felt, np.abs(felt).argmax(axis=1)[:, None], axis=1)
+        heard = np.hstack([self.samples[:, :1], loudest])
+        return result_page(title, heard, self.sample_rate, rows, spoken, passed)
 
     def __repr__(self) -> str:
         return (

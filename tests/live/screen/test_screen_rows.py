@@ -254,7 +254,7 @@ def test_what_is_done_next_is_one_label(opened, match):
         assert await until(pilot, lambda: labels() == ["Esc release"])
         await pilot.press("escape")
         assert await until(pilot, lambda: labels() == ["] next event"])
-        assert any("where you let go" in text(row) for row in parts(app))
+        assert any("where you released it" in text(row) for row in parts(app))
         view = app.query_one(TimelineView)
         assert any(("┊", "hand") in row for row in view.rows)
         assert ("○", "hand") in view.rows[view._groove] or view._drawn[0] <= 5
