@@ -63,6 +63,8 @@ def drive(player, script, size=(100, 30), **given):
         app = PlayApp(player, **given)
         async with app.run_test(size=size) as pilot:
             await pilot.pause(0.2)
+            # a busy machine may take longer to lay the screen out
+            assert await until(pilot, lambda: app.query_one(TimelineView).size.width > 0)
             result = await script(app, pilot)
         assert app.failure is None
         return result
