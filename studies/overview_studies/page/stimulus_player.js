@@ -6,7 +6,7 @@ import { pause } from "./make.js";
 
 const FADED_MS = 200;
 const POLL_MS = 30;
-const RELEASE_TIMEOUT_MS = 500; // far longer than the lead time of input events
+const PENDING_TIMEOUT_MS = 5000; // the first sound of a page may take longer than a short gesture
 const RATES = [48_000, 44_100]; // rates in the folder
 const MAX_FILES = 96; // in memory, half a megabyte each
 const MAX_REST_S = 3;
@@ -167,6 +167,7 @@ export class Presentation {
     merge.connect(context.destination);
     this.end = merge;
     this.events = []; // events of the take
+    this.sent = 0; // input events sent to the audio thread
     this.state = { clock: 0, cursor: 0, rests: true };
     this.pendingReads = [];
     this.longestRest_s = MAX_REST_S;
@@ -183,6 +184,7 @@ export class Presentation {
   control(place, touching, sample) {
     const events = Float64Array.of(sample, 0, place * Math.PI, touching ? 1 : 0);
     this.node.port.postMessage({ kind: "control", events });
+    this.sent += 1;
   }
 
   /** Read the current state; events applied since the last call are added to the take. */
@@ -213,12 +215,15 @@ export class Presentation {
     return false;
   }
 
-  /** Return the take after the release; the last events may still be pending in the audio thread. */
+  /** Return the take after the release, once the audio thread has applied each event that was sent. */
   async take() {
-    const until = performance.now() + RELEASE_TIMEOUT_MS;
-    do await this.readState();
-    while (this.events.at(-1)?.[2] === 1 && performance.now() < until);
-    return { sample_rate: this.rate, samples: this.state.clock, events: [...this.events] };
+    const until = performance.now() + PENDING_TIMEOUT_MS;
+    while (await this.readState(), this.events.length < this.sent && performance.now() < until) {
+      await pause(POLL_MS);
+    }
+    const pending = this.sent - this.events.length;
+    const take = { sample_rate: this.rate, samples: this.state.clock, events: [...this.events] };
+    return pending > 0 ? { ...take, pending } : take;
   }
 
   /** Fade out and end. */

@@ -322,6 +322,38 @@ def test_what_was_felt_is_felt_again_bit_for_bit(chromium, identify, mapping):
     assert not again[:, 1].any()
 
 
+LATE = """async ([key, output, late_ms]) => {
+    const [{ StimulusPlayer }, { Server }] = await Promise.all([
+        import("./stimulus_player.js"),
+        import("./client.js")]);
+    const file = (path) => new Server(null).file(path);
+    const felt = new StimulusPlayer(await (await file("study.json")).json(), file);
+    await felt.context.suspend();
+    const presentation = await felt.open(key, output, []);
+    for (const i of [1, 2, 3]) presentation.control(i / 10, true, -1);
+    presentation.control(0.3, false, -1);
+    if (late_ms !== null) setTimeout(() => felt.context.resume(), late_ms);
+    const take = await presentation.take();
+    await felt.context.close();
+    return take;
+}"""
+
+
+@pytest.mark.parametrize("mapping", ["friction", "static"])
+def test_a_take_has_each_event_however_late_the_sound_begins(chromium, identify, mapping):
+    study = json.loads((identify / "study.json").read_text())
+    key = next(key for key, one in study["stimuli"].items() if one["answer"] == "goal")
+    output = {"mapping": mapping, "click_db": -6.0, "tactor_db": None}
+    with opened_host(identify) as host, page_at(chromium, host.url) as (page, wrong):
+        late = page.evaluate(LATE, [key, output, 1200])
+        never = page.evaluate(LATE, [key, output, None])
+    assert wrong == []
+    assert [touching for _, _, touching, _ in late["events"]] == [1, 1, 1, 0]
+    assert "pending" not in late
+    assert never["events"] == []
+    assert never["pending"] == 4
+
+
 MASKED = """async () => {
     const [{ StimulusPlayer }, { Server }] = await Promise.all([import("./stimulus_player.js"),
         import("./client.js")]);
