@@ -53,6 +53,6 @@ export class KernelNode extends AudioWorkletNode {
 
 export function openKernel(
   context: AudioContext | OfflineAudioContext,
-  image: ArrayBuffer,
+  image: ArrayBuffer | Promise<ArrayBuffer>,
   options?: { events?: ControlEvent[]; changes?: ArrayBuffer[]; wasm?: Promise<ArrayBuffer> },
 ): Promise<KernelNode>;

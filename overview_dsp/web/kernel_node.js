@@ -12,21 +12,22 @@ const PROCESSOR = new URL("./processor.js", import.meta.url);
 const KERNEL = new URL("./kernel.wasm", import.meta.url);
 
 /**
- * Create a node that plays a memory image (browser_memory.py) into `context`.
+ * Create a node that plays a memory image (browser_memory.py), or a promise of one, into `context`.
  *
  * `events` (as in `KernelNode.control`) and `changes` (bytes of `encode_change`) apply before the
  * first sample. Clicks are left and the tactor is right, unless the image's settings differ. One image
  * serves every sample rate. `wasm` holds the bytes of `kernel.wasm`; by default they are fetched from
  * this file's folder. Throws an Error if the bytes are of another version.
  * @param {BaseAudioContext} context
- * @param {ArrayBuffer} image
+ * @param {ArrayBuffer | Promise<ArrayBuffer>} image
  * @param {{ events?: ControlEvent[], changes?: ArrayBuffer[], wasm?: Promise<ArrayBuffer> }} options
  */
 export async function openKernel(context, image, { events = [], changes = [], wasm: wasmBytes = fetchWasm() } = {}) {
-  const { channels } = checkBytes(image, WHOLE);
   for (const bytes of changes) checkBytes(bytes, CHANGE);
-  const [wasm] = await Promise.all([wasmBytes, context.audioWorklet.addModule(PROCESSOR)]);
-  return new KernelNode(context, channels, { wasm, image, events: eventRows(events), changes });
+  const module = context.audioWorklet.addModule(PROCESSOR);
+  const [memory, wasm] = await Promise.all([image, wasmBytes, module]);
+  const { channels } = checkBytes(memory, WHOLE);
+  return new KernelNode(context, channels, { wasm, image: memory, events: eventRows(events), changes });
 }
 
 async function fetchWasm() {

@@ -13,7 +13,9 @@ from typing import Any
 from overview_dsp.data.analysis.series_events import has_values
 from overview_dsp.data.timeline import Timeline
 from overview_dsp.design.presets.model import Preset
+from overview_dsp.kernels.layout import CELLS
 from overview_dsp.signal.actuators.model import Actuator
+from overview_dsp.signal.surface.base_surface import rank_step
 from overview_dsp.signal.surface.build import build_surface
 from overview_dsp.signal.surface.model import Surface
 from overview_dsp.web.site_data import (
@@ -76,7 +78,7 @@ class SiteContent:
         return name in FIRST or name.startswith(("sound/0.", "sound/0-"))
 
     def _add_sound(self, name: str, i: int) -> None:
-        self.files[f"sound/{name}.packed"] = lambda: pack(self._sound(i))
+        self.files[f"sound/{name}.packed"] = partial(self._packed, i)
         for rate in RATES[1:]:
             self.files[f"sound/{name}-{rate}.patch"] = partial(self._patch, i, rate)
 
@@ -101,6 +103,10 @@ class SiteContent:
         if i < 0:
             return whole_bytes(self.timeline, self.preset, rate, self._seed, self._actuator)
         return window_bytes(self._surface(i)[1], self.preset, rate)
+
+    def _packed(self, i: int) -> bytes:
+        step = rank_step(self._surface(max(i, 0))[0], self.preset, CELLS)
+        return pack(self._sound(i), step)
 
     def _patch(self, i: int, rate: int) -> bytes:
         return make_patch(self._sound(i), self._at_rate(i, rate))

@@ -20,9 +20,16 @@ Packed bytes are compressed by zlib's deflate, without loss (`unpack.js`)::
 
     uint8 order; the first byte of every column of 8, the second of every column, ...
 
-Before that, the columns (int64 with wrap-around) are replaced `order` times by the differences of
-neighbours, then by (n << 1) ^ (n >> 63), which makes small negative numbers small. Neighbours in a
-friction table lie almost on a line, so that their differences are small.
+The columns are differences, as (n << 1) ^ (n >> 63), which makes small negative numbers small. For
+an order of 0 to 7 they are the columns (int64 with wrap-around), replaced `order` times by the
+differences of neighbours. Neighbours in a friction table lie almost on a line, so that their
+differences are small.
+
+Friction by rank grows by factors, plus a number of ranks n that varies from point to point. For
+the order 8, two parts follow: int8 n of every column, float64 s (the logarithm of one rank's
+factor). The columns are the differences from the prediction b * (b / a) * e from the two float64
+before it, with e = 1 + x * (1 + x / 2 * (1 + x / 3 * (1 + x / 4))) and x = s * n; from 0 for the
+first two columns, and where the prediction is not a positive number.
 """
 
 from __future__ import annotations
@@ -145,10 +152,16 @@ QUICK, BEST = 1, 9
 """Compression levels of zlib."""
 
 
-def pack(raw: bytes) -> bytes:
-    """Return the packed bytes; their number must be a multiple of 8."""
-    planes = [_planes(np.frombuffer(raw, "<i8"), order) for order in ORDERS]
-    return zlib.compress(min(planes, key=lambda one: len(zlib.compress(one, QUICK))), BEST)
+def pack(raw: bytes, rank_step: float = 0.0) -> bytes:
+    """Return the packed bytes; their number must be a multiple of 8.
+
+    `rank_step` is the difference that one rank makes to the logarithm of friction.
+    """
+    columns = np.frombuffer(raw, "<i8")
+    found = [_planes(columns, order) for order in ORDERS]
+    if rank_step:
+        found.append(_predicted(columns, rank_step))
+    return zlib.compress(min(found, key=lambda one: len(zlib.compress(one, QUICK))), BEST)
 
 
 def _planes(columns: np.ndarray, order: int) -> bytes:
@@ -156,3 +169,17 @@ def _planes(columns: np.ndarray, order: int) -> bytes:
         columns = np.diff(columns, prepend=np.int64(0))
     zigzag = (columns << 1) ^ (columns >> 63)
     return bytes([order]) + zigzag.view(np.uint8).reshape(-1, 8).T.tobytes()
+
+
+def _predicted(columns: np.ndarray, rank_step: float) -> bytes:
+    values, ranks = columns.view("<f8"), np.zeros(len(columns), np.int8)
+    with np.errstate(all="ignore"):  # not all columns are friction
+        steady = values[1:-1] * (values[1:-1] / values[:-2])
+        jumps = np.rint(np.log(values[2:] / steady) / rank_step)
+        ranks[2:] = np.where(np.abs(jumps) < 128.0, jumps, 0.0)
+        x = rank_step * ranks[2:]
+        found = steady * (1.0 + x * (1.0 + x / 2.0 * (1.0 + x / 3.0 * (1.0 + x / 4.0))))
+    found = np.where((found > 0.0) & np.isfinite(found), found, 0.0)
+    rest = columns - np.append(np.zeros(2, "<i8"), found.view("<i8"))[: len(columns)]
+    coded = _planes(rest, 0)[1:]
+    return bytes([len(ORDERS)]) + coded + ranks.tobytes() + np.array(rank_step, "<f8").tobytes()

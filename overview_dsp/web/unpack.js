@@ -1,5 +1,7 @@
 // Decompression of the kernel's files; sound_data.py documents the format.
 
+const PREDICTED = 8; // order
+
 /**
  * @param {ArrayBuffer} deflated
  * @returns {Promise<ArrayBuffer>}
@@ -15,9 +17,13 @@ export function inflated(deflated) {
  */
 export async function unpacked(packed) {
   const bytes = new Uint8Array(await inflated(packed));
-  const order = bytes[0];
-  const count = (bytes.length - 1) / 8;
-  const words = new Uint32Array(2 * count);
+  const isPredicted = bytes[0] === PREDICTED;
+  const order = isPredicted ? 1 : bytes[0];
+  const count = isPredicted ? (bytes.length - 9) / 9 : (bytes.length - 1) / 8;
+  const values = new Float64Array(count);
+  const words = new Uint32Array(values.buffer);
+  const ranks = new Int8Array(bytes.buffer, 1 + 8 * count);
+  const step = isPredicted ? new DataView(bytes.buffer, 1 + 9 * count).getFloat64(0, true) : 0;
   // running sums of 64-bit integers, in two 32-bit halves
   const low = new Uint32Array(order + 1);
   const high = new Uint32Array(order + 1);
@@ -28,6 +34,13 @@ export async function unpacked(packed) {
       for (let shift = 0; shift < 32; shift += 8, at += count) word |= bytes[at] << shift;
       return word;
     };
+    if (isPredicted) {
+      const last = values[i - 1];
+      const x = step * ranks[i];
+      const found = last * (last / values[i - 2]) * (1 + x * (1 + x / 2 * (1 + x / 3 * (1 + x / 4))));
+      if (found > 0 && found < Infinity) values[i] = found;
+      [low[0], high[0]] = [words[2 * i], words[2 * i + 1]];
+    }
     const first = half();
     const second = half();
     const sign = -(first & 1); // all ones for a negative number

@@ -7,6 +7,7 @@ import hashlib
 import json
 import math
 import shutil
+import zlib
 from pathlib import Path
 
 import numpy as np
@@ -804,10 +805,14 @@ def test_the_page_unpacks_every_bit_of_what_was_packed(opened):
     smooth = np.exp(np.sin(np.linspace(0.0, 9.0, 2000)))
     ends = np.array([-(2**63), 2**63 - 1, -1, 0, 1] * 7).view(float)
     columns = [smooth, random.bytes(800), ends, np.zeros(50), -smooth, np.full(3, np.nan)]
-    for raw in (b"".join(bytes(one) for one in columns), bytes(smooth), random.bytes(4000), b""):
-        packed_bytes = pack(raw)
-        assert bytes(opened.evaluate(UNPACK, list(packed_bytes))) == raw
+    everything = b"".join(bytes(one) for one in columns)
+    ranked = smooth * np.exp(1e-5 * random.integers(-30, 30, 2000))
+    for raw in (everything, bytes(smooth), bytes(ranked), random.bytes(4000), bytes(8), b""):
+        for step in (0.0, 1e-5, 3e-3):
+            packed_bytes = pack(raw, step)
+            assert bytes(opened.evaluate(UNPACK, list(packed_bytes))) == raw
     assert len(pack(bytes(smooth))) < smooth.nbytes / 3
+    assert zlib.decompress(pack(bytes(ranked), 1e-5))[0] == 8
 
 
 @pytest.mark.soak

@@ -45,6 +45,9 @@ class TouchEnded:
     touch_id: str | None = None
 
 
+Movement = AngleChanged | TouchStarted | TouchEnded
+
+
 @dataclass(frozen=True)
 class SetParameter:
     """Request to set the parameter `id` to `value`."""
@@ -89,19 +92,10 @@ class Scheduled:
     """A movement that applies at a time, s of the monotonic clock."""
 
     time_s: float
-    movement: AngleChanged | TouchStarted | TouchEnded
+    movement: Movement
 
 
-Message = (
-    AngleChanged
-    | TouchStarted
-    | TouchEnded
-    | SetParameter
-    | ScaleParameter
-    | StepParameter
-    | Command
-    | Scheduled
-)
+Message = Movement | SetParameter | ScaleParameter | StepParameter | Command | Scheduled
 
 
 @dataclass

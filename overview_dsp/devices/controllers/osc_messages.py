@@ -39,11 +39,10 @@ from overview_dsp.devices.controllers.control_messages import (
     Command,
     Counters,
     Message,
+    Movement,
     PositionControl,
     Scheduled,
     SetParameter,
-    TouchEnded,
-    TouchStarted,
 )
 from overview_dsp.devices.messages import Messages
 from overview_dsp.devices.sensors.angles import Angle, make_angle
@@ -213,7 +212,7 @@ class OscReader(Messages):
 
     def _scheduled(self, message: Message, at_s: float) -> Message:
         """Return a message with the time of its bundle, s since 1970, if it is a movement."""
-        if not at_s or not isinstance(message, AngleChanged | TouchStarted | TouchEnded):
+        if not at_s or not isinstance(message, Movement):
             return message
         offset_s = time.time() - time.monotonic()
         if abs(offset_s - self._clock_offset_s) > CLOCK_STEP_S:  # the system's clock was set

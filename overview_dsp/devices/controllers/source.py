@@ -13,7 +13,7 @@ One rule decides on takeover: **the latest touch holds the disk until it ends or
 
 from __future__ import annotations
 
-from overview_dsp.devices.controllers.control_messages import AngleChanged, TouchEnded, TouchStarted
+from overview_dsp.devices.controllers.control_messages import Movement, TouchEnded, TouchStarted
 from overview_dsp.devices.sensors.reading import AngleSample
 from overview_dsp.devices.sensors.touch_detection import (
     FREE_DISK,
@@ -49,12 +49,7 @@ class ControllerSource:
         """Name of the control or touch that holds the disk; empty if none does."""
         return self._holding[-1] if self._holding else ""
 
-    def move(
-        self,
-        message: AngleChanged | TouchStarted | TouchEnded,
-        time_s: float,
-        disk: DiskState = FREE_DISK,
-    ) -> list[Event]:
+    def move(self, message: Movement, time_s: float, disk: DiskState = FREE_DISK) -> list[Event]:
         """Return the control events of a message."""
         if isinstance(message, TouchStarted):
             return self._touch(message.touch_id, message.theta2, time_s)

@@ -37,7 +37,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from overview_dsp.arrays import FloatArray, IntArray
+from overview_dsp.arrays import BoolArray, FloatArray, IntArray
 from overview_dsp.data.timeline import Timeline
 from overview_dsp.data.timeline.gaps import in_gap
 from overview_dsp.design.presets.model import ClickMode, Preset
@@ -139,17 +139,30 @@ def _intensity(
     even = timeline.normalised_levels(cells)
     plain = felt = angle_map.at_even_positions(even)
     share = preset.number("surface.rank_share")
-    curve = timeline.intensity
-    if share > 0.0 and curve is not None and not curve.is_constant:
-        until_s = timeline.known_until_s
-        last = curve.last_s if until_s is None else min(curve.last_s, until_s)
-        times = np.linspace(0.0, timeline.duration_s, len(even))
-        known = (times >= curve.first_s) & (times <= last) & ~in_gap(timeline.gaps, times)
-        felt = mixed_with_rank(plain, even[known], share)
+    if share > 0.0:
+        felt = mixed_with_rank(plain, even[_ranked(timeline, cells)], share)
     if preset.points:
         steps = np.linspace(0.0, 1.0, len(preset.points))
         plain, felt = (np.interp(levels, steps, preset.points) for levels in (plain, felt))
     return felt, float((felt - plain).mean()) if share > 0.0 else 0.0
+
+
+def _ranked(timeline: Timeline, cells: int) -> BoolArray:
+    """Return which of cells + 1 even times have a rank: those with data of a curve that varies."""
+    curve = timeline.intensity
+    if curve is None or curve.is_constant:
+        return np.zeros(cells + 1, dtype=bool)
+    until_s = timeline.known_until_s
+    last = curve.last_s if until_s is None else min(curve.last_s, until_s)
+    times = np.linspace(0.0, timeline.duration_s, cells + 1)
+    return (times >= curve.first_s) & (times <= last) & ~in_gap(timeline.gaps, times)
+
+
+def rank_step(timeline: Timeline, preset: Preset, cells: int) -> float:
+    """Return the difference that one rank makes to the logarithm of friction; 0 without ranks."""
+    steepness = math.log1p(preset.number("surface.intensity_gain"))
+    known = int(_ranked(timeline, cells).sum())
+    return steepness * preset.number("surface.rank_share") / max(known, 1)
 
 
 def _detents(course: FloatArray, pull: float, period: float, loud: FloatArray) -> FloatArray:

@@ -25,6 +25,6 @@ async function start() {
   showTitle(info);
   fit(view, info);
   const picture = new Picture(byId("canvas"), info, view);
-  const { begin } = await import("./page.js");
+  const [{ begin }] = await Promise.all([import("./page.js"), import("./kernel.js")]); // in one wait
   await begin(data, picture);
 }

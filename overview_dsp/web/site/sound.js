@@ -68,8 +68,8 @@ export class Sound {
 
   async open() {
     const { context } = this;
-    const wasm = this.data.kernel();
-    const node = await openKernel(context, await this.data.memory(context.sampleRate), { wasm });
+    const memory = this.data.memory(context.sampleRate);
+    const node = await openKernel(context, memory, { wasm: this.data.kernel() });
     const split = context.createChannelSplitter(2);
     const merge = context.createChannelMerger(2);
     node.connect(split);
