@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import hashlib
+import itertools
 import json
 import math
 import shutil
@@ -560,6 +561,28 @@ def test_the_names_of_a_match_stand_beside_the_marks_of_their_goals(opened):
     assert [one.strip() for one in page.evaluate(parts)[:4]] == ["", "France", "4–2", ""]
     colour = "getComputedStyle(document.querySelectorAll('#title svg')[{}].firstChild).fill"
     assert page.evaluate(colour.format(0)) != page.evaluate(colour.format(1))
+
+
+@pytest.mark.parametrize(("width", "are_named"), [(390, False), (768, True), (1440, True)])
+def test_goals_have_their_scores_and_in_wide_pictures_their_names(opened, match, width, are_named):
+    opened.set_viewport_size({"width": width, "height": 900})
+    drawn_width = "document.getElementById('canvas').getBoundingClientRect().width"
+    until(opened, f"p.picture.geometry.width === {drawn_width}")
+    boxes = opened.evaluate("""[...document.querySelectorAll("#canvas text")].map((one) => {
+        const { left, right, top, bottom } = one.getBoundingClientRect();
+        return [one.textContent, left, right, top, bottom];
+    })""")
+    goals = [event.label.split(" ", 1) for event in match.events if "goal" in event.kind]
+    drawn = {box[0]: box for box in boxes}
+    full = {f"{score} {name}".replace("-", "\u2013", 1) for score, name in goals}
+    scores = {score.replace("-", "\u2013") for score, _ in goals}
+    shown = {text.split()[0] for text in drawn if "\u2013" in text}
+    assert shown == scores if are_named else shown < scores  # a narrow one has no room for all
+    assert bool(full & drawn.keys()) == are_named
+    labels = [box for text, box in drawn.items() if "\u2013" in text]
+    for (_, left, right, top, bottom), other in itertools.combinations(labels, 2):
+        apart = right <= other[1] or other[2] <= left
+        assert apart or bottom <= other[3] or other[4] <= top
 
 
 def test_the_page_says_where_you_released_it_and_not_where_play_ended(opened):

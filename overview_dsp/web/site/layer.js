@@ -3,7 +3,7 @@
 
 import { positionAt } from "./angle_map.js";
 import { drawKind, markOf } from "./marks.js";
-import { isGoal } from "./scores.js";
+import { isGoal, nameOf } from "./scores.js";
 import { ticksOf } from "./ticks.js";
 import { linesOf, valueText } from "./values.js";
 import { NOW } from "./words.js";
@@ -447,7 +447,7 @@ function drawDensity({ c, g, colours }, band) {
 
 /**
  * Draw the score outside of the lane of each goal (without a score its label), the last goals first, and names and values of
- * the extremes of a series, where there is room.
+ * the extremes of a series, where there is room; in a wide picture also the names of the goals.
  * @param {Scene} scene
  */
 function drawLabels(scene) {
@@ -456,8 +456,13 @@ function drawLabels(scene) {
   c.textAlign = "center";
   c.textBaseline = "alphabetic";
   const isTall = g.bottom - g.top > LABELLED * g.em;
-  /** @type {[number, number, number][]} */
-  const taken = [];
+  /** @type {{ text: string, name: string, x: number, middle: number, half: number, line: number }[]} */
+  const labels = [];
+  /** @param {string} text */
+  const halfOf = (text) => c.measureText(text).width / 2;
+  /** @param {{ middle: number, half: number, line: number }} label */
+  const hasRoom = (label, own = label) => 2 * label.half <= g.right - g.left && labels.every((one) => one === own
+    || Math.abs(one.middle - label.middle) >= one.half + label.half + 4 || Math.abs(one.line - label.line) >= 14 * g.em);
   for (let i = view.events.length - 1; i >= 0; i -= 1) {
     const event = view.events[i];
     if (hidden.has(event.kind)) continue;
@@ -466,15 +471,20 @@ function drawLabels(scene) {
     const text = isGoal(event) && !info.series ? event.score ?? (event.label || info.kinds[event.kind].name)
       : isExtreme ? `${event.kind === "highest" ? "Highest" : "Lowest"} ${valueText(event.value, { series: info.series && { ...info.series, unit: "" } })}` : "";
     if (!text) continue;
-    const half = c.measureText(text).width / 2;
+    const half = halfOf(text);
     const beside = x > (g.left + g.right) / 2 ? x - half - 14 : x + half + 14;
     const middle = Math.min(Math.max(isExtreme ? beside : x, half + 2), g.right - half);
     const outside = g.lanes.length > 1 && y === g.lanes[1] ? y + 13 + 9 * g.em : g.lanes[0] - 13;
     const line = isExtreme ? Math.min(Math.max(y + 4 * g.em, 11 * g.em), g.bottom - 10) : outside;
-    const isTaken = taken.some(([from, to, at]) =>
-      middle + half + 4 > from && middle - half - 4 < to && Math.abs(at - line) < 14 * g.em);
-    if (isTaken || half * 2 > g.right - g.left) continue;
-    drawText(scene, text, middle, line, "ink");
-    taken.push([middle - half, middle + half, line]);
+    const label = { text, name: event.score ? nameOf(event) : "", x, middle, half, line };
+    if (hasRoom(label)) labels.push(label);
   }
+  for (const label of labels) {
+    if (g.width < TALL || !label.name) continue;
+    const text = `${label.text} ${label.name}`;
+    const half = halfOf(text);
+    const named = { ...label, text, half, middle: Math.min(Math.max(label.x, half + 2), g.right - half) };
+    if (hasRoom(named, label)) Object.assign(label, named);
+  }
+  for (const { text, middle, line } of labels) drawText(scene, text, middle, line, "ink");
 }

@@ -8,6 +8,15 @@ const GOALS = new Set(["goal", "own_goal"]);
 export const isGoal = ({ kind }) => GOALS.has(kind);
 
 /**
+ * Return the label of an event without the score of a goal.
+ * @param {Pick<TimelineEvent, "label" | "score">} event
+ */
+export function nameOf({ label, score }) {
+  const start = score ? `${score.replace("\u2013", "-")} ` : "";
+  return label.startsWith(start) ? label.slice(start.length) : label;
+}
+
+/**
  * Write the scores of a whole timeline with a dash, and set the side of goals without sides.
  * @param {TimelineEvent[]} events
  */

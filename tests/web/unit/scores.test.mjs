@@ -2,7 +2,7 @@ import assert from "node:assert/strict";
 import test from "node:test";
 import { scoreAt } from "../../../overview_dsp/web/site/descriptions.js";
 import { markOf } from "../../../overview_dsp/web/site/marks.js";
-import { copyScores, readableTitle, setScores, titleParts } from "../../../overview_dsp/web/site/scores.js";
+import { copyScores, nameOf, readableTitle, setScores, titleParts } from "../../../overview_dsp/web/site/scores.js";
 
 /** @type {(labels: string[], kind?: string) => any[]} */
 const eventsOf = (labels, kind = "goal") => labels.map((label, i) => ({ kind, label, time_s: 60 * i, position: i / 10 }));
@@ -22,6 +22,13 @@ test("a score is written with a dash, and cards keep their sides", () => {
   setScores(events);
   assert.deepEqual(events.map(({ score }) => score), ["1\u20130", "1\u20131", "2\u20131", undefined]);
   assert.deepEqual(events.map(({ side }) => side), [1, 2, 1, 2]);
+});
+
+test("the name of a goal is its label without its own score", () => {
+  assert.equal(nameOf({ label: "1-1 Perišić", score: "1\u20131" }), "Perišić");
+  assert.equal(nameOf({ label: "1-0 Perišić", score: "1\u20131" }), "1-0 Perišić");
+  assert.equal(nameOf({ label: "1-1", score: "1\u20131" }), "1-1");
+  assert.equal(nameOf({ label: "Kanté (France)", score: undefined }), "Kanté (France)");
 });
 
 test("the title of a match has its teams, what is between them, and what follows", () => {
