@@ -72,9 +72,9 @@ def kind_of(text: str) -> str:
 
 
 def with_kinds(listed: Sequence[ListEntry], default_kind: str = DEFAULT_KIND) -> list[ListEntry]:
-    """Return the list as it is if all its texts are kinds, else events of one kind with labels.
+    """Return the list as it is if its texts are kinds, else events of one kind with labels.
 
-    At least a quarter of kinds are repeats.
+    They are kinds if each of them can be one, and at least a quarter of them are repeats.
     """
     kinds = [kind_of(one.kind_text) for one in listed]
     if all(kinds) and 4 * len(set(kinds)) <= 3 * len(kinds):
