@@ -11,10 +11,11 @@ A notice is ``{"version", "now_s", "duration_s", "ended", "status_text", "change
 "version"}]}``, and "update" in base64 if requested. A page that reconnects receives all changes
 since its last version (`Last-Event-ID`).
 
-An update is uint32 n, then n bytes of JSON ``{"version", "info", "view", "rate", "bytes"}``, padded
-with spaces to a multiple of 8, then a patch (`sound_data`). `info` has the changed fields of
-``data/timeline.json``; `view` is like ``data/window-0.json``. The patch applies to the surface
-change of version V, which is first cut or padded with 0 to `bytes`. Rate 0: no patch, as the host
+An update is uint32 n, then n bytes of JSON ``{"version", "info", "view", "rate", "bytes",
+"packed"}``, padded with spaces to a multiple of 8, then a patch (`sound_data`). `info` has the
+changed fields of ``data/timeline.json``; `view` is like ``data/window-0.json``. The patch applies
+to the surface change of version V, which is first cut or padded with 0 to `bytes`. If `packed` is
+true, the packed surface change follows instead, since it is shorter. Rate 0: no patch, as the host
 plays. Updates and events are created once per version for all pages.
 
 Thread: the server's.
@@ -38,12 +39,14 @@ from starlette.routing import BaseRoute, Route
 from overview_dsp.data.feeds.live_timeline import LiveTimeline
 from overview_dsp.data.timeline import Timeline
 from overview_dsp.design.presets.model import Preset
+from overview_dsp.kernels.layout import CELLS
+from overview_dsp.signal.surface.base_surface import rank_step
 from overview_dsp.signal.surface.build import build_surface
 from overview_dsp.units import clock_text
 from overview_dsp.web.preset_data import vibration_pattern
 from overview_dsp.web.site_content import compact_json
 from overview_dsp.web.site_data import event_fields, kind_styles, series_json, window_json
-from overview_dsp.web.sound_data import make_patch, window_bytes
+from overview_dsp.web.sound_data import QUICK, make_patch, pack, window_bytes
 
 CHECK_INTERVAL_S = 0.05
 NOTICE_INTERVAL_S = 0.25
@@ -54,6 +57,9 @@ COMMENT_INTERVAL_S = 15.0
 
 CACHE_SIZE = 12
 """Number of versions in each cache, for pages that lag behind."""
+
+LARGE = 30_000
+"""Bytes of a patch from which on the packed surface may be shorter."""
 
 MAX_CHANGES = 20
 RATES = (0, 8_000, 192_000)
@@ -235,10 +241,14 @@ class LiveData:
             if rate:
                 surface_bytes = window_bytes(surface, preset, rate)
                 content["bytes"] = len(surface_bytes)
-                base = self._surfaces.get((since, rate))
-                if base is not None:  # its length depends on the number of events
-                    base = base[: len(surface_bytes)].ljust(len(surface_bytes), b"\0")
-                patch = make_patch(base or b"", surface_bytes)
+                base = self._surfaces.get((since, rate), b"")
+                # its length depends on the number of events
+                base = base and base[: len(surface_bytes)].ljust(len(surface_bytes), b"\0")
+                patch = make_patch(base, surface_bytes)
+                if len(patch) > LARGE:
+                    packed = pack(surface_bytes, rank_step(timeline, preset, CELLS), QUICK)
+                    content["packed"] = len(packed) < len(patch)
+                    patch = min(patch, packed, key=len)
                 _cache(self._surfaces, (version, rate), surface_bytes)
             header = compact_json(content)
             header += b" " * (-(len(header) + 4) % 8)

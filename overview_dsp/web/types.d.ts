@@ -148,6 +148,7 @@ export interface Update extends NewVersion {
   version: number;
   rate: number;
   bytes: number;
+  packed?: boolean;
   patch: ArrayBuffer;
 }
 

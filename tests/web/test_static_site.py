@@ -7,9 +7,7 @@ import itertools
 import json
 import re
 import shutil
-import struct
 import subprocess
-import zlib
 
 import numpy as np
 import pytest
@@ -24,6 +22,7 @@ from overview_dsp.web.assets import folder_files, page_files
 from overview_dsp.web.site_data import default_levels, site_windows
 from overview_dsp.web.sound_data import pack, window_bytes
 from overview_dsp.web.static_site import write_site
+from tests.web.packed import unpacked
 from tools.bundle_page import BUILD_INFO, BUNDLE, build_info, bundle
 
 
@@ -108,38 +107,6 @@ def patched(base: bytes, patch: bytes) -> bytes:
         made[8 * column : 8 * (column + count)] = patch[at + 8 : at + 8 + 8 * count]
         at += 8 + 8 * count
     assert at == len(patch)
-    return bytes(made)
-
-
-def unpacked(packed: bytes) -> bytes:
-    """As `sound_data` says, column by column."""
-    order, *planes = zlib.decompress(packed)
-    if order == 8:
-        return predicted(bytes(planes))
-    columns = np.array(planes, np.uint8).reshape(8, -1).T.copy().view("<u8").ravel()
-    columns = (columns >> np.uint64(1)) ^ (np.uint64(0) - (columns & np.uint64(1)))
-    for _ in range(order):
-        columns = np.cumsum(columns, dtype=np.uint64)
-    return columns.tobytes()
-
-
-def predicted(planes: bytes) -> bytes:
-    count = (len(planes) - 8) // 9
-    (step,) = struct.unpack("<d", planes[9 * count :])
-    ranks = np.frombuffer(planes, np.int8, count, 8 * count).tolist()
-    made = bytearray()
-    for i in range(count):
-        coded = sum(planes[i + k * count] << 8 * k for k in range(8))
-        found = 0.0
-        if i > 1:
-            a, b = struct.unpack_from("<2d", made, 8 * i - 16)
-            x = step * ranks[i]
-            growth = 1 + x * (1 + x / 2 * (1 + x / 3 * (1 + x / 4)))
-            with np.errstate(all="ignore"):
-                found = float(np.float64(b) * (np.float64(b) / np.float64(a)) * growth)
-        found = found if 0.0 < found < np.inf else 0.0
-        bits = int.from_bytes(struct.pack("<d", found), "little")
-        made += ((bits + ((coded >> 1) ^ -(coded & 1))) % 2**64).to_bytes(8, "little")
     return bytes(made)
 
 

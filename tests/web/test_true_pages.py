@@ -18,6 +18,7 @@ from tests.web.layouts import events_of
 from tests.web.test_values import shared, with_gaps
 
 POSITIONS = 100
+SLOWED = 6  # times slower than this processor, as a phone
 
 SAY = """(positions) => positions.map((position) => {
     const p = window.overview;
@@ -172,6 +173,9 @@ def test_all_that_a_page_says_and_draws_is_the_datas(chromium, tmp_path, name):
     with opened_host(tmp_path / "site") as host:
         context = chromium.new_context(viewport=PHONE, service_workers="block")
         page = context.new_page()
+        if chromium.browser_type.name == "chromium":  # Firefox can't be slowed
+            client = context.new_cdp_session(page)
+            client.send("Emulation.setCPUThrottlingRate", {"rate": SLOWED})
         page.goto(host.url)
         until(page, "p.view && p.sound.node && (!p.info.series || p.view.points)")
         faults, said, drawn = faults_of(page, timeline, preset)

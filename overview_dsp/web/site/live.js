@@ -5,6 +5,7 @@ import { byId, made } from "./dom.js";
 import { MissedEvents } from "./missed.js";
 import { readableTitle } from "./scores.js";
 import { request } from "./session.js";
+import { unpacked } from "./unpack.js";
 import { eventText } from "./descriptions.js";
 import { NEW, WITHDRAWN } from "./page_words.js";
 
@@ -68,8 +69,8 @@ export class Live {
     this.page = page;
     this.levels = levels;
     this.loadedVersion = -1; // version of `bytes`
-    /** @type {ArrayBuffer | null} */
-    this.bytes = null; // change to the surface of the whole timeline
+    /** @type {Promise<ArrayBuffer | null>} */
+    this.bytes = Promise.resolve(null); // change to the surface of the whole timeline
     /** @type {NewVersion | null} */
     this.pending = null; // update that isn't applied yet
     /** @type {Notice | null} */
@@ -195,8 +196,9 @@ export class Live {
    * Store an update; picture and disk change once the disk isn't touched.
    * @param {Update} update
    */
-  storeUpdate({ version, info, view, rate, bytes, patch }) {
-    if (rate > 0) this.bytes = patched(resized(this.bytes, bytes), patch);
+  storeUpdate({ version, info, view, rate, bytes, packed, patch }) {
+    if (packed) this.bytes = unpacked(patch);
+    else if (rate > 0) this.bytes = this.bytes.then((base) => patched(resized(base, bytes), patch));
     this.loadedVersion = version;
     this.pending = { info, view };
   }
@@ -210,11 +212,12 @@ export class Live {
     const whole = { number: 0, zoom: 0, start_s: 0, end_s: info.duration_s };
     const wasWhole = viewState.view.zoom === 0 || viewState.view.end_s > info.duration_s;
     const part = wasWhole ? whole : { ...viewState.view, number: -1 };
+    const changed = await this.bytes;
     const latest = data.finished({ points: null, ...view, ...whole }, null);
     /** @type {[View, () => void]} */
     const [drawn, apply] =
       wasWhole && data.preset === null
-        ? [latest, () => this.bytes && sound.change(this.bytes.slice(0))]
+        ? [latest, () => changed && sound.change(changed.slice(0))]
         : await Promise.all([data.view(part), sound.show(part)]);
     if (page.input.active !== null) return; // a touched disk keeps its data
     if (this.pending === pending) this.pending = null;
