@@ -211,7 +211,7 @@ def uris_of(bundle):
     return [line.split()[0] for line in lines if "a lv2:Plugin" in line]
 
 
-@pytest.mark.usefixtures("unoptimised")
+@pytest.mark.usefixtures("unoptimised", "without_tails")
 def test_each_preset_is_a_plugin_of_a_name_that_other_data_keep(bundle, timelines, tmp_path):
     assert bundle.name == "a-quoted-name.lv2"
     uris = uris_of(bundle)

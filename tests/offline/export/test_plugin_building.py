@@ -27,7 +27,7 @@ from tests.offline.export.plugin_playing import (
     score,
 )
 
-pytestmark = pytest.mark.usefixtures("unoptimised")
+pytestmark = pytest.mark.usefixtures("unoptimised", "without_tails")
 
 
 def test_the_command_builds_one_of_several_timelines(tmp_path):
