@@ -5,6 +5,7 @@ The tests of the studies, a distribution of their own, are skipped where it is n
 
 from __future__ import annotations
 
+import gc
 import importlib.util
 import os
 from pathlib import Path
@@ -29,6 +30,21 @@ def pytest_collect_directory(path, parent):
     if path == STUDIES and importlib.util.find_spec("overview_studies") is None:
         return SkippedFolder.from_parent(parent, path=path)
     return None
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_collection():
+    """Leave what is collected out of Python's garbage collection.
+
+    The collector would look through ten thousand tests again and again: a tenth of the time.
+    """
+    gc.disable()
+    try:
+        return (yield)
+    finally:
+        gc.enable()
+        gc.collect()
+        gc.freeze()
 
 
 @pytest.hookimpl(optionalhook=True)
