@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import json
+from functools import cache
 from xml.etree import ElementTree
 
 import jsonschema
@@ -36,14 +37,26 @@ def result(request, match, football):
     return ov.render(match, football, GESTURES[request.param])
 
 
+@pytest.fixture(scope="module")
+def exported(result, tmp_path_factory):
+    """What an export of a gesture gave, which is made once in each format."""
+    folder = tmp_path_factory.mktemp("exported")
+
+    @cache
+    def made(to):
+        return export(result, to, folder / f"clip.{'json' if to == 'android' else to}")
+
+    return made
+
+
 def goal_times(result):
     kinds = np.array([result.engine.timeline.events[e].kind for e in result.strikes.event])
     return result.strikes.time_s[np.isin(kinds, ("goal", "own_goal"))]
 
 
 @pytest.mark.parametrize("to", [to for to in ov.export.formats() if to != "wav4"])
-def test_every_document_is_valid_and_near_to_what_was_felt(result, tmp_path, to):
-    done = export(result, to, tmp_path / f"clip.{'json' if to == 'android' else to}")
+def test_every_document_is_valid_and_near_to_what_was_felt(exported, to):
+    done = exported(to)
     for path in done.files:
         if path.suffix in SCHEMAS:
             jsonschema.validate(json.loads(path.read_text()), SCHEMAS[path.suffix])
@@ -52,12 +65,12 @@ def test_every_document_is_valid_and_near_to_what_was_felt(result, tmp_path, to)
     assert done.error.within_percent >= 90.0
 
 
-def test_every_goal_is_a_transient_at_its_strike(result, tmp_path):
-    ahap = export(result, "ahap", tmp_path / "clip.ahap").files
+def test_every_goal_is_a_transient_at_its_strike(result, exported):
+    ahap = exported("ahap").files
     strikes = json.loads(ahap[1].read_text())["Pattern"]
-    haptic = json.loads(export(result, "haptic", tmp_path / "c.haptic").files[0].read_text())
+    haptic = json.loads(exported("haptic").files[0].read_text())
     points = haptic["signals"]["continuous"]["envelopes"]["amplitude"]
-    hjif = json.loads(export(result, "hjif", tmp_path / "c.hjif").files[0].read_text())
+    hjif = json.loads(exported("hjif").files[0].read_text())
     waves = hjif["perceptions"][0]["channels"][1]["bands"][0]["effects"]
     found = {
         "ahap": np.array([entry["Event"]["Time"] for entry in strikes]),
@@ -72,10 +85,8 @@ def test_every_goal_is_a_transient_at_its_strike(result, tmp_path):
             assert np.abs(times - goal).min() <= 0.005
 
 
-def test_ahap_splits_at_30_seconds_and_counts_curve_times_from_the_curve(result, tmp_path):
-    vibration = json.loads(export(result, "ahap", tmp_path / "clip.ahap").files[0].read_text())[
-        "Pattern"
-    ]
+def test_ahap_splits_at_30_seconds_and_counts_curve_times_from_the_curve(result, exported):
+    vibration = json.loads(exported("ahap").files[0].read_text())["Pattern"]
     events = [entry["Event"] for entry in vibration if "Event" in entry]
     curves = [entry["ParameterCurve"] for entry in vibration if "ParameterCurve" in entry]
     length = clip_of(result).duration_s
@@ -91,8 +102,8 @@ def test_ahap_splits_at_30_seconds_and_counts_curve_times_from_the_curve(result,
         assert times[-1] == pytest.approx(event["EventDuration"])
 
 
-def test_a_haptic_clip_begins_at_0_and_emphasis_is_above_the_envelope(result, tmp_path):
-    path = export(result, "haptic", tmp_path / "clip.haptic").files[0]
+def test_a_haptic_clip_begins_at_0_and_emphasis_is_above_the_envelope(exported):
+    path = exported("haptic").files[0]
     envelopes = json.loads(path.read_text())["signals"]["continuous"]["envelopes"]
     amplitude, frequency = envelopes["amplitude"], envelopes["frequency"]
     assert amplitude[0]["time"] == frequency[0]["time"] == 0.0
@@ -104,8 +115,8 @@ def test_a_haptic_clip_begins_at_0_and_emphasis_is_above_the_envelope(result, tm
     assert all(point["emphasis"]["amplitude"] >= point["amplitude"] for point in emphases)
 
 
-def test_hjif_carries_the_friction_itself(result, tmp_path):
-    path = export(result, "hjif", tmp_path / "clip.hjif").files[0]
+def test_hjif_carries_the_friction_itself(result, exported):
+    path = exported("hjif").files[0]
     friction = json.loads(path.read_text())["perceptions"][1]
     assert friction["perception_modality"] == "Friction"
     frames = friction["channels"][0]["bands"][0]["effects"][0]["keyframes"]
@@ -122,8 +133,8 @@ def test_hjif_carries_the_friction_itself(result, tmp_path):
     assert 0.9 <= value.max() <= 1.0
 
 
-def test_android_never_stops_inside_the_clip_and_its_xml_says_the_same(result, tmp_path):
-    done = export(result, "android", tmp_path / "clip.json")
+def test_android_never_stops_inside_the_clip_and_its_xml_says_the_same(result, exported):
+    done = exported("android")
     document = json.loads(done.files[0].read_text())
     timings, amplitudes = document["waveform"]["timings"], document["waveform"]["amplitudes"]
     assert len(timings) == len(amplitudes)
