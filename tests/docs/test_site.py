@@ -18,6 +18,12 @@ from tests.docs.markdown_blocks import PAGES, ROOT
 TOOLS = ("sphinx", "numpydoc", "sphinx_gallery", "pydata_sphinx_theme", "myst_parser",
          "sphinx_copybutton", "sphinx_design", "overview_studies")  # fmt: skip
 
+# pages are trees of many objects, which Python's garbage collector looks through again and again
+BUILD = (
+    "import gc, sys; gc.set_threshold(100_000, 50, 100)\n"
+    "from sphinx.cmd.build import main; sys.exit(main(sys.argv[1:]))"
+)
+
 
 @pytest.fixture(scope="module")
 def site(tmp_path_factory):
@@ -27,7 +33,7 @@ def site(tmp_path_factory):
         pytest.skip(f"needs the docs extra: pip install '.[docs]' ./studies ({', '.join(missing)})")
     folder = tmp_path_factory.mktemp("site")
     done = subprocess.run(
-        [sys.executable, "-m", "sphinx", "-W", "--keep-going", "-q", "-b", "html", "docs", folder],
+        [sys.executable, "-c", BUILD, "-W", "--keep-going", "-q", "-b", "html", "docs", folder],
         capture_output=True,
         text=True,
         check=False,
