@@ -28,6 +28,8 @@ from datetime import UTC, date, datetime, timedelta, timezone
 from functools import lru_cache
 from typing import Any
 
+import numpy as np
+
 from overview_dsp.arrays import IntArray
 from overview_dsp.files.toml import load_toml
 
@@ -37,6 +39,8 @@ NS = 1_000_000_000
 DAY_NS = 86_400 * NS
 
 Whole = int | IntArray
+Numbers = Callable[[int, int], Any]
+Runs = Callable[[int], tuple[Numbers, IntArray]]
 
 _PIVOT = 69
 """Two-digit years from here are in the 1900s, those below in the 2000s (POSIX)."""
@@ -182,7 +186,7 @@ def moment(text: str, *forms: str) -> Moment | None:
 
 
 def moments(
-    text: str, form: str, number: Callable[[int, int], Whole]
+    text: str, form: str, number: Numbers, runs: Runs
 ) -> tuple[Whole, Whole, Whole | None] | None:
     """Return the moments of texts that differ in digits only; None if one is wrong.
 
@@ -191,11 +195,13 @@ def moments(
 
     `text`, `form`: the first text, and the form of all.
     `number`: function from the begin and end of digits in all texts to their numbers.
+    `runs`: function that returns `number` for the first text of each run of texts with the same
+    first characters, and the lengths of the runs.
     """
     match = next(filter(None, (pattern.fullmatch(text) for pattern in FORMS[form])), None)
     if match is None or "w" in match.re.groupindex:
         return None
-    return _built(match, number)
+    return _built(match, number, runs)
 
 
 def in_line(line: str, form: str) -> str | None:
@@ -258,11 +264,39 @@ def match_minute(text: str) -> tuple[int, int | None, float | None] | None:
     )
 
 
-def _built(match: re.Match[str], number: Callable[[int, int], Any]) -> tuple[Any, Any, Any] | None:
+def _built(
+    match: re.Match[str], number: Numbers, runs: Runs | None = None
+) -> tuple[Any, Any, Any] | None:
     """Return seconds since 1970, nanoseconds and offset of a match, None for a wrong value.
 
     `number` returns whole numbers, or arrays of them: the arithmetic is that of both.
     """
+    found = match.groupdict("")
+    if runs is not None and found.get("h"):
+        first, lengths = runs(match.start("h"))  # consecutive texts often share a day
+        days = _days(match, first)
+        days = np.repeat(days, lengths) if isinstance(days, np.ndarray) else days
+    else:
+        days = _days(match, number)
+    clock = _clock(found, lambda name: number(*match.span(name)) if found.get(name) else 0)
+    if days is None or clock is None:
+        return None
+    seconds, fraction = days * 86_400 + clock[0], clock[1]
+    zone = found.get("zone")
+    if not zone:
+        return seconds, fraction, None
+    offset = _NAMED_ZONES_MIN.get(zone, 0)
+    if zone[0] in "+-−":
+        begin, end = match.span("zone")
+        hours, minutes = number(begin + 1, begin + 3), number(end - 2, end) if len(zone) > 3 else 0
+        if _any((hours >= 24) | (minutes >= 60)):
+            return None
+        offset = (hours * 60 + minutes) * (1 if zone[0] == "+" else -1)
+    return seconds - offset * 60, fraction, offset
+
+
+def _days(match: re.Match[str], number: Numbers) -> Any:
+    """Return the days since 1970 of a match, None for a wrong date."""
     found = match.groupdict("")
 
     def part(name: str, default: int = 0) -> Any:
@@ -280,31 +314,18 @@ def _built(match: re.Match[str], number: Callable[[int, int], Any]) -> tuple[Any
         month = _month(name, is_alone=not found.get("d"))
     leap = (year % 4 == 0) & ((year % 100 != 0) | (year % 400 == 0))
     length = 30 + (month + month // 8) % 2 - (month == 2) * (2 - leap)
-    clock = _clock(found, part)
-    if _any((year < 1) | (month < 1) | (month > 12) | (day < 1) | (day > length)) or clock is None:
+    if _any((year < 1) | (month < 1) | (month > 12) | (day < 1) | (day > length)):
         return None
-    # days by years that begin in March
-    since = year - (month <= 2)
-    days = since * 365 + since // 4 - since // 100 + since // 400
-    days = days + (153 * ((month + 9) % 12) + 2) // 5 + day - 719_469
     if found.get("w"):
         try:
             monday = date.fromisocalendar(year, number(*match.span("w")), 1)
         except ValueError:  # week 54
             return None
-        days = monday.toordinal() - date(1970, 1, 1).toordinal()
-    seconds, fraction = days * 86_400 + clock[0], clock[1]
-    zone = found.get("zone")
-    if not zone:
-        return seconds, fraction, None
-    offset = _NAMED_ZONES_MIN.get(zone, 0)
-    if zone[0] in "+-−":
-        begin, end = match.span("zone")
-        hours, minutes = number(begin + 1, begin + 3), number(end - 2, end) if len(zone) > 3 else 0
-        if _any((hours >= 24) | (minutes >= 60)):
-            return None
-        offset = (hours * 60 + minutes) * (1 if zone[0] == "+" else -1)
-    return seconds - offset * 60, fraction, offset
+        return monday.toordinal() - date(1970, 1, 1).toordinal()
+    # days by years that begin in March
+    since = year - (month <= 2)
+    days = since * 365 + since // 4 - since // 100 + since // 400
+    return days + (153 * ((month + 9) % 12) + 2) // 5 + day - 719_469
 
 
 def _any(wrong: Any) -> bool:

@@ -36,7 +36,7 @@ from overview_dsp.data.readers.tables.table import (
 from overview_dsp.data.readers.tables.text_cells import PAD, TextCells, padded
 from overview_dsp.errors import InputError
 
-BLOCK_BYTES = 1 << 20
+BLOCK_BYTES = 1 << 18
 """Bytes read at a time."""
 
 MAX_RECORDS = 200_000
@@ -145,13 +145,11 @@ class DelimitedTable(Table):
                 above -= 1
             if not block:
                 continue
-            if '"' in block or "\r" in block or not block.isascii():
+            found = fields_of(block, separator, width, dialect.comments)
+            if found is None:
                 return first
-            data = padded((block if block.endswith("\n") else block + "\n").encode())
-            marks = field_ends(data, separator, width, dialect.comments)
-            if marks is None:
-                return first
-            cells = cells_of(data, marks, width, columns)
+            data, starts, stops = found
+            cells = [TextCells(data, starts[i::width], stops[i::width]) for i in columns]
             for begin in range(0, len(cells[0]), CHUNK_ROWS):
                 some = tuple(column[begin : begin + CHUNK_ROWS] for column in cells)
                 yield Chunk(some, first, None, lines.part)
@@ -250,16 +248,17 @@ class Lines:
         errors = "surrogateescape" if self.encoding.startswith(_UTF8) else "replace"
         decoder = codecs.getincrementaldecoder(self.encoding)(errors)
         newlines = io.IncrementalNewlineDecoder(decoder, True)
-        rest, seen, count = "", 0, 0
-        for data in self._data():
+        rest, seen = "", 0
+        for number, data in enumerate(self._data()):
             seen += len(data)
             text = rest + newlines.decode(data, final=not data)
             cut = text.rfind("\n") + 1 if data else len(text)
             block, rest = text[:cut], text[cut:]
-            count += block.count("\n")
             if len(rest) > MAX_LINE:
+                before = itertools.islice(Lines(self.source, self.encoding).blocks(), number)
+                line = 1 + sum(block.count("\n") for block in (*before, block))
                 raise InputError(
-                    f"line {count + 1} is longer than {MAX_LINE} characters; a table has one "
+                    f"line {line} is longer than {MAX_LINE} characters; a table has one "
                     "line per row: save it as CSV"
                 )
             self.part = min(1.0, seen / max(1, self.source.size))
@@ -330,37 +329,34 @@ def _line_ends(text: str) -> int:
     return text.count("\n") + text.count("\r") - text.count("\r\n")
 
 
-def field_ends(
-    data: NDArray[np.uint8], separator: str, width: int, comments: tuple[str, ...] = ()
-) -> IntArray | None:
-    """Return the ends of the fields of a block, shape (rows * width,), None if it is not plain.
+def fields_of(
+    block: str, separator: str, width: int, comments: tuple[str, ...] = ()
+) -> tuple[NDArray[np.uint8], IntArray, IntArray] | None:
+    """Return a buffer, and the starts and stops of the fields in it; None if a block isn't plain.
 
-    `data`: buffer (`padded`) of whole lines of ASCII characters, each with its line end.
+    `block`: whole lines.
     `separator`: character between fields.
     `width`: number of fields per line.
     `comments`: prefixes of comment lines.
     """
+    if '"' in block or "\r" in block or not block.isascii():
+        return None
+    data = padded((block if block.endswith("\n") else block + "\n").encode())
     ends = data == _NEWLINE
-    marks = np.flatnonzero(ends | (data == ord(separator)))
-    rows, left = divmod(len(marks), width)
-    lines = marks[width - 1 :: width]
+    stops = np.flatnonzero(ends | (data == ord(separator)))
+    rows, left = divmod(len(stops), width)
+    lines = stops[width - 1 :: width]
     if not rows or left or np.count_nonzero(ends) != rows or not ends[lines].all():
         return None
-    length = np.diff(marks, prepend=PAD - 1)
-    if length.max() > LONGEST_FIELD or (width == 1 and length.min() == 1):
+    starts = np.concatenate(([PAD], stops[:-1] + 1))
+    if width == 1 and (starts == stops).any():
         return None
-    first, text = data[marks - length + 1], data.tobytes()
+    longest = np.diff(lines, prepend=PAD - 1).max()
+    if longest > LONGEST_FIELD and (stops - starts).max() > LONGEST_FIELD:
+        return None
     # blanks before a field don't belong to it
-    others = {mark[0]: first[::width] for mark in comments}
+    others = {mark[0]: starts[::width] for mark in comments}
     if separator != "\t":
-        others[" "] = first
-    found = (one.encode() in text and (some == ord(one)).any() for one, some in others.items())
-    return None if any(found) or first[0] in b" #" else marks
-
-
-def cells_of(
-    data: NDArray[np.uint8], marks: IntArray, width: int, columns: Sequence[int]
-) -> tuple[TextCells, ...]:
-    """Return the cells of these columns in a block whose fields end at `marks`."""
-    starts = np.concatenate(([PAD], marks[:-1] + 1))
-    return tuple(TextCells(data, starts[i::width], marks[i::width]) for i in columns)
+        others[" "] = starts
+    found = (mark in block and (data[some] == ord(mark)).any() for mark, some in others.items())
+    return None if any(found) or block[0] in " #" else (data, starts, stops)

@@ -6,7 +6,7 @@ once. Results are those of `int` and `float`.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -23,6 +23,9 @@ PAD = 48
 _BYTES = 0x0101_0101_0101_0101
 _ZEROS = np.uint64(ord("0") * _BYTES)
 _HIGH = np.uint64(0x80 * _BYTES)
+_NO_DIGIT = np.uint64(0x76 * _BYTES)
+"""Added to the values of eight characters: sets the high bit in those above 9."""
+
 _KEEP = np.array([(2**64 - 1) >> 8 * (8 - n) << 8 * (8 - n) for n in range(9)], np.uint64)
 """Masks of the last n of eight characters."""
 
@@ -40,8 +43,7 @@ class TextCells(Sequence[str]):
 
     def __init__(self, data: NDArray[np.uint8], starts: Positions, stops: Positions) -> None:
         self.data, self.starts, self.stops = data, starts, stops
-        self._eights: Words = np.ndarray(len(data) - 7, "<u8", data, strides=(1,))
-        self._words: dict[int, Words] = {}
+        self._words: list[Words] = []
 
     @classmethod
     def of(cls, cells: list[Any]) -> TextCells | None:
@@ -82,57 +84,74 @@ class TextCells(Sequence[str]):
         sample = self[int(rows[0])].encode()
         lengths = self.stops - self.starts
         same: BoolArray = (lengths if whole else lengths[rows]) == len(sample)
+        self._gather(len(sample))
         for begin in range(0, len(sample), 8):
             part = sample[begin : begin + 8]
+            words = self._words[begin // 8] if whole else self._words[begin // 8][rows]
             digits = _word_of(255 * (ord("0") <= byte <= ord("9")) for byte in part)
             others = _word_of(255 for _ in part) & ~digits
-            words = self._word(begin) if whole else self._word(begin)[rows]
             wrong = (words ^ _word_of(part)) & others
-            # 0x80 in each byte that is no digit
-            wrong |= (((words ^ _ZEROS) & digits) + np.uint64(0x76 * _BYTES)) & (digits & _HIGH)
+            wrong |= (((words ^ _ZEROS) & digits) + _NO_DIGIT) & (digits & _HIGH)
             same &= wrong == 0
         return same
+
+    def runs(self, end: int) -> tuple[Callable[[int, int], Positions | int], Positions]:
+        """Return `number` of the first cell of each run with the same characters up to `end`.
+
+        Lengths of the runs follow.
+        """
+        self._gather(end)
+        changed = np.ones(len(self), np.bool_)
+        differ: Any = np.uint64(0)
+        for begin in range(0, end, 8):
+            words = self._words[begin // 8] << np.uint64(8 * max(begin + 8 - end, 0))
+            differ = differ | (words[1:] ^ words[:-1])
+        np.not_equal(differ, 0, out=changed[1:])
+        firsts = np.flatnonzero(changed)
+        return self[firsts].number, np.diff(firsts, append=len(self))
 
     def number(self, begin: int, end: int) -> Positions | int:
         """Return the numbers at a fixed place in all cells, which has only digits there.
 
         A number that is the same in all cells is an int.
         """
-        numbers: Positions = np.zeros(len(self), np.int64)
-        for stop in range(end, begin, -8):
-            start = max(stop - 8, begin)
-            first = start if start // 8 < (stop - 1) // 8 else start // 8 * 8
-            word = self._word(first) << np.uint64(8 * (first + 8 - stop))
-            word &= _KEEP[stop - start] & np.uint64(0x0F * _BYTES)
-            numbers += (_value(word, stop - start) * _POWERS[end - stop]).astype(np.int64)
+        self._gather(end)
+        numbers: Any = 0
+        while begin < end:
+            first = begin // 8
+            stop = min(end, 8 * first + 8)
+            word = self._words[first] << np.uint64(8 * (8 * first + 8 - stop))
+            word &= _KEEP[stop - begin] & np.uint64(0x0F * _BYTES)
+            numbers = numbers * 10 ** (stop - begin) + _value(word, stop - begin).view(np.int64)
+            begin = stop
         low = int(numbers.min(initial=0))
         return low if low == numbers.max(initial=0) else numbers
 
-    def _word(self, begin: int) -> Words:
-        """Return the eight characters from `begin` on of all cells."""
-        if begin not in self._words:
-            self._words[begin] = self._eights[self.starts + begin]
-        return self._words[begin]
+    def _gather(self, end: int) -> None:
+        """Gather the words of the first `end` characters of all cells."""
+        if 8 * len(self._words) < end:
+            self._words = _eights(self.data, self.starts, -(-end // 8))
 
     def _after_sign(self) -> tuple[Positions, BoolArray]:
-        """Return where the cells begin after their sign, and which have a minus sign."""
-        first = self.data[self.starts]
+        """Return the lengths of the cells without their sign, and which have a minus sign."""
+        lengths, first = self.stops - self.starts, self.data[self.starts]
         negative = first == ord("-")
-        return self.starts + (negative | (first == ord("+"))), negative
+        lengths -= negative | (first == ord("+"))
+        return lengths, negative
 
     def wholes(self) -> tuple[Positions, BoolArray]:
         """Return whole numbers, and which cells are such, of 1 to 16 digits."""
-        starts, negative = self._after_sign()
-        found, good, _ = _numbers(self._eights, starts, self.stops)
-        whole = found.astype(np.int64)
+        lengths, negative = self._after_sign()
+        found, good, _ = _numbers(self.data, self.stops, lengths)
+        whole = found.view(np.int64)
         return np.where(negative, -whole, whole) if negative.any() else whole, good
 
     def decimals(self, mark: str) -> tuple[FloatArray, BoolArray]:
         """Return numbers with a decimal mark, and which cells are such; empty cells are NaN."""
-        starts, negative = self._after_sign()
-        whole, good, figures = _numbers(self._eights, starts, self.stops, mark)
+        lengths, negative = self._after_sign()
+        whole, good, figures = _numbers(self.data, self.stops, lengths, mark)
         # quotients of exact numbers are rounded as `float` does
-        found = whole.astype(np.float64) / _SCALES[figures]
+        found = whole.view(np.int64) / _SCALES.take(figures.view(np.int64))
         np.negative(found, out=found, where=negative)
         good &= whole <= 2**53
         empty = self.starts == self.stops
@@ -154,25 +173,35 @@ def _word_of(letters: Iterable[int]) -> np.uint64:
     return np.uint64(int.from_bytes(bytes(letters), "little"))
 
 
+def _eights(data: NDArray[np.uint8], begins: Positions, count: int) -> list[Words]:
+    """Return words of eight characters from each of `begins` on, `count` for each."""
+    size = 8 * count
+    # one copy of all of them: twice as fast as of single words, which aren't aligned
+    found = np.ndarray(len(data) - size + 1, f"V{size}", data, strides=(1,))[begins]
+    return list(np.ascontiguousarray(found.view("<u8").reshape(-1, count).T))
+
+
 def _numbers(
-    eights: Words, starts: Positions, stops: Positions, mark: str = ""
-) -> tuple[Words, BoolArray, Words | int]:
+    data: NDArray[np.uint8], stops: Positions, length: Positions, mark: str = ""
+) -> tuple[Words, BoolArray, Words]:
     """Return numbers without their mark, which texts are such, and their digits after the mark.
+
+    `data`, `stops`, `length`: buffer of the texts, their ends, and their lengths.
 
     A number has 1 to 16 characters, at least one digit, and at most one mark.
     """
-    length = stops - starts
     longest = int(length.max(initial=0))
     if longest == length.min(initial=longest):
         length = length[:1]  # a mask for all
-    word = _eight(eights, stops, length)
+    *high, word = _eights(data, stops - (8 if longest <= 8 else 16), 1 + (longest > 8))
     marked: Any = False
-    figures: Any = 0
+    figures: Any = np.uint64(0)
+    word = _digits(word, length)
     if mark:
         word, marked, figures = _without(word, mark)
     found, good = _value(word, 8), _are_digits(word)
-    if longest > 8:
-        word = _eight(eights, stops - 8, length - 8)
+    for word in high:
+        word = _digits(word, length - 8)
         if mark:
             word, higher, more = _without(word, mark)
             good &= ~(marked & higher)
@@ -185,13 +214,15 @@ def _numbers(
     return found, good & (length > marked), figures
 
 
-def _eight(eights: Words, stops: Positions, length: Positions) -> Words:
-    """Return up to eight characters before `stops`; the bytes of digits are their values."""
-    return (eights[stops - 8] ^ _ZEROS) & _KEEP[np.clip(length, 0, 8)]
+def _digits(word: Words, length: Positions) -> Words:
+    """Return the values of the last characters of each word, as many as `length` says."""
+    word ^= _ZEROS
+    word &= _KEEP.take(length, mode="clip")
+    return word
 
 
 def _are_digits(word: Words) -> BoolArray:
-    digits: BoolArray = (word + np.uint64(0x76 * _BYTES)) & _HIGH == 0
+    digits: BoolArray = (word + _NO_DIGIT) & _HIGH == 0
     return digits
 
 
@@ -200,7 +231,7 @@ def _without(word: Words, mark: str) -> tuple[Words, BoolArray, Words]:
     byte = ord(mark) ^ ord("0")
     others = word ^ np.uint64(byte * _BYTES)
     place = (others - np.uint64(_BYTES)) & ~others & _HIGH
-    place = (place & (~place + np.uint64(1))) >> np.uint64(7)  # 1 in the byte of the mark
+    place = (place & -place) >> np.uint64(7)  # 1 in the byte of the mark
     marked = place > 0
     before = word & (place - marked)
     # what stands before the mark moves over it

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from datetime import datetime
+from datetime import datetime, timedelta
 from typing import Any
 
 import numpy as np
@@ -96,6 +96,31 @@ def dates(draw: st.DrawFn, form: str) -> list[list[str]]:
 @given(data=st.data())
 def test_dates_are_the_same_by_columns_and_by_cells(form: str, data: st.DataObject) -> None:
     parts = data.draw(dates(form))
+    assert_same(times(form, parts, True), times(form, parts, False))
+
+
+@st.composite
+def consecutive(draw: st.DrawFn, form: str) -> list[list[str]]:
+    """Times in even steps, which share a day or begin another, in one way of writing."""
+    first = draw(st.datetimes(datetime(1000, 1, 1), datetime(9990, 1, 1)))
+    step = draw(st.sampled_from([0, 1, 60, 7200, 43_200, 86_400, -600, 10_000_000]))
+    way = draw(st.sampled_from(FORMS[form])) + draw(ZONES)
+    count = draw(st.integers(1, 40))
+    rows = [(first + i * timedelta(seconds=step)).strftime(way) for i in range(count)]
+    for _ in range(draw(st.integers(0, 2))):  # a wrong digit, an empty cell
+        at, place = draw(st.integers(0, count - 1)), draw(st.integers(0, 30))
+        other = draw(st.sampled_from(["0", "9", "x", ""]))
+        rows[at] = rows[at][:place] + other + rows[at][place + 1 :] if other else ""
+    return [rows]
+
+
+@pytest.mark.parametrize("form", FORMS)
+@MANY
+@given(data=st.data())
+def test_dates_of_the_same_days_are_the_same_by_columns_and_by_cells(
+    form: str, data: st.DataObject
+) -> None:
+    parts = data.draw(consecutive(form))
     assert_same(times(form, parts, True), times(form, parts, False))
 
 
