@@ -100,9 +100,9 @@ class NumberColumn:
             values = cells.astype(np.float64)
         else:
             values = self._numbers(cells, locate)
-        wild = np.flatnonzero(~np.isnan(values) & ~(np.abs(values) <= MAX_VALUE))
-        if wild.size:
-            i = int(wild[0])
+        size = np.abs(values)
+        if np.fmax.reduce(size, initial=0.0) > MAX_VALUE:
+            i = int(np.flatnonzero(size > MAX_VALUE)[0])
             raise locate(i).error(
                 float(values[i]),
                 f"isn't a finite number up to {MAX_VALUE:g}; leave a missing value empty",

@@ -145,11 +145,10 @@ class DelimitedTable(Table):
                 above -= 1
             if not block:
                 continue
-            found = fields_of(block, separator, width, dialect.comments)
+            found = field_ends(block, separator, width, dialect.comments)
             if found is None:
                 return first
-            data, starts, stops = found
-            cells = [TextCells(data, starts[i::width], stops[i::width]) for i in columns]
+            cells = [_column(*found, width, i) for i in columns]
             for begin in range(0, len(cells[0]), CHUNK_ROWS):
                 some = tuple(column[begin : begin + CHUNK_ROWS] for column in cells)
                 yield Chunk(some, first, None, lines.part)
@@ -329,10 +328,10 @@ def _line_ends(text: str) -> int:
     return text.count("\n") + text.count("\r") - text.count("\r\n")
 
 
-def fields_of(
+def field_ends(
     block: str, separator: str, width: int, comments: tuple[str, ...] = ()
-) -> tuple[NDArray[np.uint8], IntArray, IntArray] | None:
-    """Return a buffer, and the starts and stops of the fields in it; None if a block isn't plain.
+) -> tuple[NDArray[np.uint8], IntArray] | None:
+    """Return a buffer, and the ends of all fields in it; None if a block isn't plain.
 
     `block`: whole lines.
     `separator`: character between fields.
@@ -343,20 +342,24 @@ def fields_of(
         return None
     data = padded((block if block.endswith("\n") else block + "\n").encode())
     ends = data == _NEWLINE
-    stops = np.flatnonzero(ends | (data == ord(separator)))
-    rows, left = divmod(len(stops), width)
-    lines = stops[width - 1 :: width]
+    marks = np.flatnonzero(ends | (data == ord(separator)))
+    rows, left = divmod(len(marks), width)
+    lines = marks[width - 1 :: width]
     if not rows or left or np.count_nonzero(ends) != rows or not ends[lines].all():
         return None
-    starts = np.concatenate(([PAD], stops[:-1] + 1))
-    if width == 1 and (starts == stops).any():
+    length = np.diff(lines, prepend=PAD - 1)
+    if width == 1 and length.min() == 1:
         return None
-    longest = np.diff(lines, prepend=PAD - 1).max()
-    if longest > LONGEST_FIELD and (stops - starts).max() > LONGEST_FIELD:
+    if length.max() > LONGEST_FIELD and np.diff(marks, prepend=PAD - 1).max() > LONGEST_FIELD:
         return None
-    # blanks before a field don't belong to it
-    others = {mark[0]: starts[::width] for mark in comments}
+    others = {mark[0]: lines for mark in comments}
     if separator != "\t":
-        others[" "] = starts
-    found = (mark in block and (data[some] == ord(mark)).any() for mark, some in others.items())
-    return None if any(found) or block[0] in " #" else (data, starts, stops)
+        others[" "] = marks  # blanks before a field don't belong to it
+    found = (mark in block and (data[some + 1] == ord(mark)).any() for mark, some in others.items())
+    return None if block[0] in (" ", "#", *others) or any(found) else (data, marks)
+
+
+def _column(data: NDArray[np.uint8], marks: IntArray, width: int, i: int) -> TextCells:
+    """Return the cells of a column in a block whose fields end at `marks`."""
+    starts = marks[i - 1 :: width] + 1 if i else np.append(PAD, marks[width - 1 : -1 : width] + 1)
+    return TextCells(data, starts, marks[i::width].copy())

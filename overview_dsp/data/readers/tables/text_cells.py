@@ -29,6 +29,9 @@ _NO_DIGIT = np.uint64(0x76 * _BYTES)
 _KEEP = np.array([(2**64 - 1) >> 8 * (8 - n) << 8 * (8 - n) for n in range(9)], np.uint64)
 """Masks of the last n of eight characters."""
 
+_SPARSE = 1000
+"""Characters of a buffer per cell above which cells are decoded one by one."""
+
 _POWERS = 10 ** np.arange(17, dtype=np.uint64)
 _SCALES = 10.0 ** np.arange(23)
 
@@ -74,6 +77,8 @@ class TextCells(Sequence[str]):
     def tolist(self) -> list[str]:
         """Return the texts."""
         low = int(self.starts.min(initial=len(self.data)))
+        if len(self) * _SPARSE < int(self.stops.max(initial=0)) - low:  # few columns of many
+            return [self[i] for i in range(len(self))]
         text = self.data[low : int(self.stops.max(initial=0))].tobytes().decode("ascii")
         both = zip((self.starts - low).tolist(), (self.stops - low).tolist(), strict=True)
         return [text[start:stop] for start, stop in both]
@@ -90,8 +95,12 @@ class TextCells(Sequence[str]):
             words = self._words[begin // 8] if whole else self._words[begin // 8][rows]
             digits = _word_of(255 * (ord("0") <= byte <= ord("9")) for byte in part)
             others = _word_of(255 for _ in part) & ~digits
-            wrong = (words ^ _word_of(part)) & others
-            wrong |= (((words ^ _ZEROS) & digits) + _NO_DIGIT) & (digits & _HIGH)
+            wrong = words ^ _ZEROS
+            wrong &= digits
+            wrong += _NO_DIGIT
+            wrong &= digits & _HIGH
+            if others:
+                wrong |= (words ^ _word_of(part)) & others
             same &= wrong == 0
         return same
 
@@ -154,11 +163,10 @@ class TextCells(Sequence[str]):
         found = whole.view(np.int64) / _SCALES.take(figures.view(np.int64))
         np.negative(found, out=found, where=negative)
         good &= whole <= 2**53
-        empty = self.starts == self.stops
-        if empty.any():
+        if not good.all():  # empty, more digits, an exponent
+            empty = self.starts == self.stops
             found[empty] = np.nan
             good |= empty
-        if not good.all():  # more digits, an exponent
             cells = self[np.flatnonzero(~good)].tolist()
             if set("".join(cells)) <= set(f"0123456789+-eE{mark}"):
                 try:
@@ -177,8 +185,8 @@ def _eights(data: NDArray[np.uint8], begins: Positions, count: int) -> list[Word
     """Return words of eight characters from each of `begins` on, `count` for each."""
     size = 8 * count
     # one copy of all of them: twice as fast as of single words, which aren't aligned
-    found = np.ndarray(len(data) - size + 1, f"V{size}", data, strides=(1,))[begins]
-    return list(np.ascontiguousarray(found.view("<u8").reshape(-1, count).T))
+    found = np.ndarray(len(data) - size + 1, f"V{size}", data, strides=(1,))[begins].view("<u8")
+    return list(np.ascontiguousarray(found.reshape(-1, count).T)) if count > 1 else [found]
 
 
 def _numbers(
@@ -230,23 +238,34 @@ def _without(word: Words, mark: str) -> tuple[Words, BoolArray, Words]:
     """Return words without their first mark, which had one, and the number of digits after it."""
     byte = ord(mark) ^ ord("0")
     others = word ^ np.uint64(byte * _BYTES)
-    place = (others - np.uint64(_BYTES)) & ~others & _HIGH
-    place = (place & -place) >> np.uint64(7)  # 1 in the byte of the mark
-    marked = place > 0
-    before = word & (place - marked)
+    place = others - np.uint64(_BYTES)
+    place &= ~others
+    place &= _HIGH
+    place &= -place
+    place >>= np.uint64(7)  # 1 in the byte of the mark
+    marked = place != 0
     # what stands before the mark moves over it
-    word = word + before * np.uint64(255) - place * np.uint64(byte)
-    return word, marked, place * np.uint64(0x0706_0504_0302_0100) >> np.uint64(56)
+    moved = place - marked
+    moved &= word
+    moved *= np.uint64(255)
+    moved += word
+    moved -= place * np.uint64(byte)
+    place *= np.uint64(0x0706_0504_0302_0100)
+    place >>= np.uint64(56)
+    return moved, marked, place
 
 
 def _value(word: Words, count: int) -> Words:
     """Return the number of the last `count` of eight digits; those before are 0."""
     # pairs of digits, then fours, then all eight; the first is the lowest byte
     word = word * np.uint64(10 * 2**8 + 1)
-    if count <= 2:
-        return word >> np.uint64(56)
-    word = (word >> np.uint64(8) & np.uint64(0x00FF_00FF_00FF_00FF)) * np.uint64(100 * 2**16 + 1)
-    if count <= 4:
-        return word >> np.uint64(48)
-    word = word >> np.uint64(16) & np.uint64(0x0000_FFFF_0000_FFFF)
-    return word * np.uint64(10_000 * 2**32 + 1) >> np.uint64(32)
+    if count > 2:
+        word >>= np.uint64(8)
+        word &= np.uint64(0x00FF_00FF_00FF_00FF)
+        word *= np.uint64(100 * 2**16 + 1)
+    if count > 4:
+        word >>= np.uint64(16)
+        word &= np.uint64(0x0000_FFFF_0000_FFFF)
+        word *= np.uint64(10_000 * 2**32 + 1)
+    word >>= np.uint64(56 if count <= 2 else 48 if count <= 4 else 32)
+    return word

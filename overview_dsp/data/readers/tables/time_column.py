@@ -315,10 +315,11 @@ class TimeColumn:
         """
         seconds = self._seconds(cells, locate)
         if self.anchor_ns is not None:
-            since = seconds + self.anchor_ns / NS
-            outside = np.flatnonzero((since < _FIRST_S) | (since > _LAST_S))
-            if outside.size:
-                i = int(outside[0])
+            since_s = self.anchor_ns / NS
+            low, high = (f.reduce(seconds, initial=np.nan) + since_s for f in (np.fmin, np.fmax))
+            if low < _FIRST_S or high > _LAST_S:
+                since = seconds + since_s
+                i = int(np.flatnonzero((since < _FIRST_S) | (since > _LAST_S))[0])
                 raise locate(i).error(
                     as_list(cells)[i],
                     "is a time outside the years 1 to 9999; give their format with time "
@@ -422,21 +423,20 @@ class TimeColumn:
     ) -> FloatArray:
         """Return the seconds of datetime64 cells, exact in any unit."""
         missing = np.isnat(cells)
-        known = cells[~missing]
+        known = cells[~missing] if missing.any() else cells
         seconds = np.full(cells.shape, np.nan)
         if not known.size:
             return seconds
         unit, count = np.datetime_data(cells.dtype)
         if unit in ("Y", "M"):
-            cells, unit, count = cells.astype("datetime64[D]"), "D", 1
-            known = cells[~missing]
+            known, unit, count = known.astype("datetime64[D]"), "D", 1
         step_ns = int(np.array(1, f"m8[{unit}]") / np.timedelta64(1, "ns")) * count
         if not step_ns:
             raise locate(0).error(cells[0], "is finer than a nanosecond; round the times")
-        if self.anchor_ns is None:
-            self.anchor_ns = int(known.astype(np.int64)[0]) * step_ns
-        whole, rest = divmod(self.anchor_ns, step_ns)
         span = known.astype(np.int64)
+        if self.anchor_ns is None:
+            self.anchor_ns = int(span[0]) * step_ns
+        whole, rest = divmod(self.anchor_ns, step_ns)
         # only the difference has to fit an int64, and later a float
         if max(abs(int(span.max()) - whole), abs(int(span.min()) - whole)) >= 2**62:
             raise locate(0).error(cells[0], "or a later time lies outside the years 1 to 9999")
@@ -444,6 +444,8 @@ class TimeColumn:
         since = (
             (span - whole) / (NS // step_ns) if step_ns < NS else (span - whole) * (step_ns // NS)
         )
+        if len(known) == len(cells):
+            return np.asarray(since - rest / NS)
         seconds[~missing] = since - rest / NS
         return seconds
 
@@ -489,14 +491,15 @@ class TimeColumn:
         if left.size:
             return None
         self._zoned, self.offset_min = zoned, offset_min
-        if not after.any():
-            return np.where(known, at, np.iinfo(np.int64).min).astype("datetime64[s]")
-        fine, per_second = ("us", 10**6) if not (after % 1000).any() else ("ns", NS)
-        furthest = max(int(np.abs(at).max()) * NS, abs(self.anchor_ns or 0))
-        if fine == "ns" and furthest >= 2**61 - NS:  # differences have to fit too
-            return None
-        at = at * per_second + after // (NS // per_second)
-        return np.where(known, at, np.iinfo(np.int64).min).astype(f"datetime64[{fine}]")
+        fine = "s"
+        if after.any():
+            fine, per_second = ("us", 10**6) if not (after % 1000).any() else ("ns", NS)
+            furthest = max(int(np.abs(at).max()) * NS, abs(self.anchor_ns or 0))
+            if fine == "ns" and furthest >= 2**61 - NS:  # differences have to fit too
+                return None
+            at = at * per_second + after // (NS // per_second)
+        at[~known] = np.iinfo(np.int64).min
+        return at.view(f"datetime64[{fine}]")
 
     def _numbers(self, cells: Cells) -> FloatArray | None:
         """Return the seconds of numbers, None if a cell has to be read by `_seconds_of`.
