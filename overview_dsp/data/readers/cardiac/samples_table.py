@@ -214,7 +214,7 @@ def read(source: DataFile, options: LoadOptions) -> Timeline:
 
 def _layout_of(source: DataFile) -> _Layout | None:
     """Return the layout of a table of samples; None for any other file."""
-    dialect = detect(source, lambda header, below: bool(below), COMMENTS)
+    dialect = detect(source, lambda header, below: bool(below))
     if dialect is None:
         return None
     header, units = (tuple(map(_bare, names)) for names in (dialect.header, dialect.units))

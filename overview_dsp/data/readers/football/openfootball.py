@@ -73,6 +73,7 @@ _SCORE = (
     r"(?:(?P<pen>\d{1,2}-\d{1,2})\s*pen\.?,?\s+)?(?P<score>\d{1,2}-\d{1,2})(?P<aet>\s*a\.?e\.?t\.?)?"
     r"(?:\s*\((?P<before>[\d\s,-]*)\))?(?:,?\s*(?P<pens>\d{1,2}-\d{1,2})\s*pen\.?)?"
 )
+_A_SCORE = re.compile(r"\s\d{1,2}-\d")
 _VENUE = r"(?:\s+@.*|\s{2,}\(.*)?"
 _MATCHES = (
     re.compile(rf"(?P<one>\S.*?)\s+{_SCORE}\s+(?P<two>[^\W\d].*?|\d+\..*?){_VENUE}"),
@@ -153,7 +154,7 @@ def sniff(source: DataFile) -> bool:
 
 def sniff_text(source: DataFile) -> bool:
     """Return whether the file is a text with matches, with or without goals."""
-    if source.head_text is None or source.looks_like_json:
+    if source.head_text is None or source.looks_like_json or not _A_SCORE.search(source.head_text):
         return False
     document = document_of(source.head_text)
     return _has_goals(document) or _is_score_list(source.head_text, document)

@@ -36,7 +36,7 @@ from overview_dsp.data.readers.tables.table import (
 from overview_dsp.data.readers.tables.text_cells import PAD, TextCells, padded
 from overview_dsp.errors import InputError
 
-BLOCK_BYTES = 1 << 18
+BLOCK_BYTES = 1 << 20
 """Bytes read at a time."""
 
 MAX_RECORDS = 200_000

@@ -14,7 +14,8 @@ import io
 import re
 from collections import Counter
 from collections.abc import Callable, Collection
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import lru_cache
 
 from overview_dsp.data.readers.data_file import CONTROL, DataFile
 from overview_dsp.data.readers.tables.cells import is_missing, is_number, looks_numeric
@@ -120,23 +121,33 @@ def _names(line: str, separator: str) -> tuple[str, ...]:
     return tuple(name.strip().lower() for name in rows[0][1]) if rows else ()
 
 
-def detect(
-    source: DataFile, accepts: Accepts | None = None, marks: tuple[str, ...] = COMMENTS
-) -> Dialect | None:
+def detect(source: DataFile, accepts: Accepts | None = None) -> Dialect | None:
     """Detect the layout of a text table; None without numbers, or if `accepts` returns False."""
-    if source.looks_like_json:
-        return None
-    encoding = encoding_of(source)
+    encoding = None if source.looks_like_json else encoding_of(source)
     if encoding is None:
         return None
-    head = head_lines(source, encoding)[:SAMPLE_LINES]
+    found = _layout(tuple(head_lines(source, encoding)[:SAMPLE_LINES]))
+    if found is None:
+        return None
+    dialect, below, named = found
+    # rows without a header must begin with a time or a number
+    begins = named or (len(below) > 1 and _has_times(dialect.header[:1], below))
+    if accepts is None and not begins:
+        return None
+    is_table = accepts or (_has_times if source.options.counts else _is_series)
+    return replace(dialect, encoding=encoding) if is_table(dialect.header, below) else None
+
+
+@lru_cache(maxsize=1)  # several formats ask for it
+def _layout(head: tuple[str, ...]) -> tuple[Dialect, list[list[str]], bool] | None:
+    """Return the layout of these lines, the rows below the header, and whether there is one."""
     lines = [(i, line) for i, line in enumerate(head, 1) if line.strip()]
     if lines and _SEPARATOR_LINE.fullmatch(lines[0][1]):
         del lines[0]
     # if most lines begin with # (a rank, a hash tag), they are rows, and so is a header "#,name"
     ranked = bool(lines) and re.match(r'"?#"?[,;\t|]', lines[0][1]) is not None
-    comments = not ranked and 2 * sum(line.startswith(marks) for _, line in lines) <= len(lines)
-    kept = [entry for entry in lines if not (comments and entry[1].startswith(marks))]
+    comments = not ranked and 2 * sum(line.startswith(COMMENTS) for _, line in lines) <= len(lines)
+    kept = [entry for entry in lines if not (comments and entry[1].startswith(COMMENTS))]
     separation = _separation(kept)
     if separation is None:
         return None
@@ -146,27 +157,16 @@ def detect(
     if begin is None or width > MAX_COLUMNS:
         return None
     before = [
-        line for i, line in lines if comments and i < rows[begin][0] and line.startswith(marks)
+        line for i, line in lines if comments and i < rows[begin][0] and line.startswith(COMMENTS)
     ]
     named = split([(0, line.lstrip("#%/").strip()) for line in before[-1:]], separator)
     comment = named[0][1] if named else []
     notes = [f"{begin} lines before the table (line {rows[begin][0]}) were left out"] * bool(begin)
     header, units, first, note = _header(rows[begin:], comment)
     below = [row for i, row in rows[begin:] if i >= first]
-    if accepts is None and note and not (len(below) > 1 and _has_times(header[:1], below)):
-        return None  # rows without a header must begin with a time or a number
-    is_table = accepts or (_has_times if source.options.counts else _is_series)
-    if not is_table(header, below):
-        return None
-    return Dialect(
-        encoding,
-        separator,
-        header,
-        units,
-        first,
-        marks if comments else (),
-        tuple(filter(None, (*notes, note))),
-    )
+    marks = COMMENTS if comments else ()
+    shown = tuple(filter(None, (*notes, note)))
+    return Dialect("", separator, header, units, first, marks, shown), below, not note
 
 
 def _separation(lines: list[tuple[int, str]]) -> tuple[str | None, int] | None:

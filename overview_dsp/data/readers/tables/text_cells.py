@@ -69,7 +69,9 @@ class TextCells(Sequence[str]):
         """Return one text, or the cells at a slice or at indices."""
         if isinstance(index, int):
             return self.data[self.starts[index] : self.stops[index]].tobytes().decode("ascii")
-        return TextCells(self.data, self.starts[index], self.stops[index])
+        part = TextCells(self.data, self.starts[index], self.stops[index])
+        part._words = [word[index] for word in self._words]
+        return part
 
     def __iter__(self) -> Iterator[str]:
         return iter(self.tolist())

@@ -472,8 +472,10 @@ class TimeColumn:
                 break
             same = cells.like_first(left)
             rows, left = left[same], left[~same]
-            texts = cells[rows] if len(rows) < len(cells) else cells
-            place: Any = rows if texts is not cells else slice(None)
+            # consecutive cells as a slice, which isn't copied
+            begin, end = int(rows[0]), int(rows[-1]) + 1
+            place: Any = slice(begin, end) if end - begin == len(rows) else rows
+            texts = cells[place]
             if is_missing(texts[0]):
                 known[place] = False
                 continue
