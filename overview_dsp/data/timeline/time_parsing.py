@@ -272,35 +272,12 @@ def _built(
     `number` returns whole numbers, or arrays of them: the arithmetic is that of both.
     """
     found = match.groupdict("")
+    dated, lengths = number, None
     if runs is not None and found.get("h"):
-        first, lengths = runs(match.start("h"))  # consecutive texts often share a day
-        days = _days(match, first)
-        days = np.repeat(days, lengths) if isinstance(days, np.ndarray) else days
-    else:
-        days = _days(match, number)
-    clock = _clock(found, lambda name: number(*match.span(name)) if found.get(name) else 0)
-    if days is None or clock is None:
-        return None
-    seconds, fraction = days * 86_400 + clock[0], clock[1]
-    zone = found.get("zone")
-    if not zone:
-        return seconds, fraction, None
-    offset = _NAMED_ZONES_MIN.get(zone, 0)
-    if zone[0] in "+-−":
-        begin, end = match.span("zone")
-        hours, minutes = number(begin + 1, begin + 3), number(end - 2, end) if len(zone) > 3 else 0
-        if _any((hours >= 24) | (minutes >= 60)):
-            return None
-        offset = (hours * 60 + minutes) * (1 if zone[0] == "+" else -1)
-    return seconds - offset * 60, fraction, offset
+        dated, lengths = runs(match.start("h"))  # consecutive texts often share a day
 
-
-def _days(match: re.Match[str], number: Numbers) -> Any:
-    """Return the days since 1970 of a match, None for a wrong date."""
-    found = match.groupdict("")
-
-    def part(name: str, default: int = 0) -> Any:
-        return number(*match.span(name)) if found.get(name) else default
+    def part(name: str, default: int = 0, of: Numbers = dated) -> Any:
+        return of(*match.span(name)) if found.get(name) else default
 
     year, month, day = part("y"), part("m", 1), part("d", 1)
     if len(found["y"]) == 2:
@@ -314,18 +291,33 @@ def _days(match: re.Match[str], number: Numbers) -> Any:
         month = _month(name, is_alone=not found.get("d"))
     leap = (year % 4 == 0) & ((year % 100 != 0) | (year % 400 == 0))
     length = 30 + (month + month // 8) % 2 - (month == 2) * (2 - leap)
-    if _any((year < 1) | (month < 1) | (month > 12) | (day < 1) | (day > length)):
+    clock = _clock(found, lambda name: part(name, 0, number))
+    if _any((year < 1) | (month < 1) | (month > 12) | (day < 1) | (day > length)) or clock is None:
         return None
+    # days by years that begin in March
+    since = year - (month <= 2)
+    days = since * 365 + since // 4 - since // 100 + since // 400
+    days = days + (153 * ((month + 9) % 12) + 2) // 5 + day - 719_469
     if found.get("w"):
         try:
             monday = date.fromisocalendar(year, number(*match.span("w")), 1)
         except ValueError:  # week 54
             return None
-        return monday.toordinal() - date(1970, 1, 1).toordinal()
-    # days by years that begin in March
-    since = year - (month <= 2)
-    days = since * 365 + since // 4 - since // 100 + since // 400
-    return days + (153 * ((month + 9) % 12) + 2) // 5 + day - 719_469
+        days = monday.toordinal() - date(1970, 1, 1).toordinal()
+    if isinstance(days, np.ndarray) and lengths is not None:
+        days = np.repeat(days, lengths)
+    seconds, fraction = days * 86_400 + clock[0], clock[1]
+    zone = found.get("zone")
+    if not zone:
+        return seconds, fraction, None
+    offset = _NAMED_ZONES_MIN.get(zone, 0)
+    if zone[0] in "+-−":
+        begin, end = match.span("zone")
+        hours, minutes = number(begin + 1, begin + 3), number(end - 2, end) if len(zone) > 3 else 0
+        if _any((hours >= 24) | (minutes >= 60)):
+            return None
+        offset = (hours * 60 + minutes) * (1 if zone[0] == "+" else -1)
+    return seconds - offset * 60, fraction, offset
 
 
 def _any(wrong: Any) -> bool:

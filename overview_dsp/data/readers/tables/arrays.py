@@ -241,9 +241,9 @@ class ParquetTable(Table):
             if whole.dtype.kind == "i" or not whole.size or int(whole.max()) < 2**63:
                 return np.asarray(whole, dtype=np.int64)
         if (types.is_string(kind) or types.is_large_string(kind)) and column.null_count == 0:
-            column = column.cast(self._arrow.large_string())
             _, places, text = column.buffers()
-            ends = np.frombuffer(places, np.int64)[column.offset :][: len(column) + 1]
+            size = "i4" if types.is_string(kind) else "i8"
+            ends = np.frombuffer(places, size)[column.offset :][: len(column) + 1].astype(np.int64)
             data = padded(memoryview(text or b"")[ends[0] : ends[-1]])
             if data.max() < 0x80:
                 stops = ends - (ends[0] - PAD)

@@ -97,12 +97,8 @@ class TextCells(Sequence[str]):
             words = self._words[begin // 8] if whole else self._words[begin // 8][rows]
             digits = _word_of(255 * (ord("0") <= byte <= ord("9")) for byte in part)
             others = _word_of(255 for _ in part) & ~digits
-            wrong = words ^ _ZEROS
-            wrong &= digits
-            wrong += _NO_DIGIT
-            wrong &= digits & _HIGH
-            if others:
-                wrong |= (words ^ _word_of(part)) & others
+            wrong = ((words ^ _ZEROS) & digits) + _NO_DIGIT & (digits & _HIGH)
+            wrong |= (words ^ _word_of(part)) & others
             same &= wrong == 0
         return same
 
@@ -226,9 +222,7 @@ def _numbers(
 
 def _digits(word: Words, length: Positions) -> Words:
     """Return the values of the last characters of each word, as many as `length` says."""
-    word ^= _ZEROS
-    word &= _KEEP.take(length, mode="clip")
-    return word
+    return (word ^ _ZEROS) & _KEEP.take(length, mode="clip")
 
 
 def _are_digits(word: Words) -> BoolArray:
@@ -240,34 +234,21 @@ def _without(word: Words, mark: str) -> tuple[Words, BoolArray, Words]:
     """Return words without their first mark, which had one, and the number of digits after it."""
     byte = ord(mark) ^ ord("0")
     others = word ^ np.uint64(byte * _BYTES)
-    place = others - np.uint64(_BYTES)
-    place &= ~others
-    place &= _HIGH
-    place &= -place
-    place >>= np.uint64(7)  # 1 in the byte of the mark
+    place = (others - np.uint64(_BYTES)) & ~others & _HIGH
+    place = (place & -place) >> np.uint64(7)  # 1 in the byte of the mark
     marked = place != 0
+    before = (place - marked) & word
     # what stands before the mark moves over it
-    moved = place - marked
-    moved &= word
-    moved *= np.uint64(255)
-    moved += word
-    moved -= place * np.uint64(byte)
-    place *= np.uint64(0x0706_0504_0302_0100)
-    place >>= np.uint64(56)
-    return moved, marked, place
+    word = before * np.uint64(255) + word - place * np.uint64(byte)
+    return word, marked, place * np.uint64(0x0706_0504_0302_0100) >> np.uint64(56)
 
 
 def _value(word: Words, count: int) -> Words:
     """Return the number of the last `count` of eight digits; those before are 0."""
     # pairs of digits, then fours, then all eight; the first is the lowest byte
-    word = word * np.uint64(10 * 2**8 + 1)
+    word = word * np.uint64(10 * 2**8 + 1) >> np.uint64(8)
     if count > 2:
-        word >>= np.uint64(8)
-        word &= np.uint64(0x00FF_00FF_00FF_00FF)
-        word *= np.uint64(100 * 2**16 + 1)
+        word = (word & np.uint64(0xFF_00FF_00FF_00FF)) * np.uint64(100 * 2**16 + 1) >> np.uint64(16)
     if count > 4:
-        word >>= np.uint64(16)
-        word &= np.uint64(0x0000_FFFF_0000_FFFF)
-        word *= np.uint64(10_000 * 2**32 + 1)
-    word >>= np.uint64(56 if count <= 2 else 48 if count <= 4 else 32)
-    return word
+        word = (word & np.uint64(0xFFFF_0000_FFFF)) * np.uint64(10_000 * 2**32 + 1) >> np.uint64(32)
+    return word >> np.uint64(48 if count <= 2 else 32 if count <= 4 else 0)
