@@ -438,10 +438,5 @@ def _thinned(series: Series) -> Series:
     kept = np.zeros(len(size), np.bool_)
     kept[lows_and_highs(series.value, run)] = True
     kept[np.argpartition(size, len(size) - 32)[-32:]] = True
-    return replace(
-        series,
-        time_s=series.time_s[kept],
-        value=series.value[kept],
-        step=series.step[kept],
-        every=False,
-    )
+    columns = {name: getattr(series, name)[kept] for name in ("time_s", "value", "step")}
+    return replace(series, **columns, every=False)

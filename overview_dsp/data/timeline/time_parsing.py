@@ -40,7 +40,6 @@ DAY_NS = 86_400 * NS
 
 Whole = int | IntArray
 Numbers = Callable[[int, int], Any]
-Runs = Callable[[int], tuple[Numbers, IntArray]]
 
 _PIVOT = 69
 """Two-digit years from here are in the 1900s, those below in the 2000s (POSIX)."""
@@ -185,23 +184,21 @@ def moment(text: str, *forms: str) -> Moment | None:
     return None
 
 
-def moments(
-    text: str, form: str, number: Numbers, runs: Runs
-) -> tuple[Whole, Whole, Whole | None] | None:
+def moments(text: str, form: str, cells: Any) -> tuple[Whole, Whole, Whole | None] | None:
     """Return the moments of texts that differ in digits only; None if one is wrong.
 
     They are seconds since 1970 in UTC, nanoseconds after them, and offsets from UTC in minutes
     (None: no zone was written).
 
     `text`, `form`: the first text, and the form of all.
-    `number`: function from the begin and end of digits in all texts to their numbers.
-    `runs`: function that returns `number` for the first text of each run of texts with the same
-    first characters, and the lengths of the runs.
+    `cells`: all texts. Its `number` returns their numbers between begin and end of digits; its
+    `runs` returns `number` for the first text of each run of texts with the same first characters,
+    and the lengths of the runs.
     """
     match = next(filter(None, (pattern.fullmatch(text) for pattern in FORMS[form])), None)
     if match is None or "w" in match.re.groupindex:
         return None
-    return _built(match, number, runs)
+    return _built(match, cells.number, cells.runs)
 
 
 def in_line(line: str, form: str) -> str | None:
@@ -264,9 +261,7 @@ def match_minute(text: str) -> tuple[int, int | None, float | None] | None:
     )
 
 
-def _built(
-    match: re.Match[str], number: Numbers, runs: Runs | None = None
-) -> tuple[Any, Any, Any] | None:
+def _built(match: re.Match[str], number: Numbers, runs: Any = None) -> tuple[Any, Any, Any] | None:
     """Return seconds since 1970, nanoseconds and offset of a match, None for a wrong value.
 
     `number` returns whole numbers, or arrays of them: the arithmetic is that of both.

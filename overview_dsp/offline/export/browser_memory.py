@@ -145,15 +145,11 @@ def event_numbers(surface: Surface) -> list[int]:
 
 
 def _head(
-    kind: int,
-    changed: list[tuple[int, float]],
-    sample_time: int,
-    sample_rate: float,
-    channels: int = 0,
+    kind: int, changed: list[tuple[int, float]], sample_time: int, rate: float, channels: int = 0
 ) -> bytes:
     numbers = np.array([kind, len(changed)], dtype="<i4")
     pairs = [number for pair in changed for number in pair]
-    rest = np.array([sample_time, sample_rate, channels, *pairs], dtype="<f8")
+    rest = np.array([sample_time, rate, channels, *pairs], dtype="<f8")
     return layout_digest() + numbers.tobytes() + rest.tobytes()
 
 

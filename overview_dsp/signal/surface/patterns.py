@@ -28,6 +28,7 @@ from collections.abc import Callable
 import numpy as np
 
 from overview_dsp.arrays import BoolArray, FloatArray
+from overview_dsp.data.timeline.gaps import Gaps
 from overview_dsp.errors import warn
 from overview_dsp.units import clock_text
 
@@ -38,11 +39,7 @@ MIN_GAP_CELLS = 4.0  # least width of a gap; narrower ones would fall between th
 
 
 def ribs(
-    gaps: tuple[tuple[float, float], ...],
-    duration_s: float,
-    cells: int,
-    height: float,
-    period_percent: float,
+    gaps: Gaps, duration_s: float, cells: int, height: float, period_percent: float
 ) -> tuple[BoolArray, FloatArray]:
     """Return which points of a table lie in a gap, and their friction relative to the base surface.
 

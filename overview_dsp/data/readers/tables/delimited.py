@@ -135,8 +135,7 @@ class DelimitedTable(Table):
         if separator is None:
             return dialect.first
         lines = Lines(self._source, dialect.encoding)
-        first = dialect.first
-        above = first - 1
+        first, above = dialect.first, dialect.first - 1
         for block in lines.blocks():
             while above and block:
                 line, _, block = block.partition("\n")
@@ -159,11 +158,7 @@ class DelimitedTable(Table):
         """Read all lines from line `begin` on, with the csv module."""
         dialect, width = self._dialect, len(self._dialect.header)
         lines = Lines(
-            self._source,
-            dialect.encoding,
-            dialect.comments,
-            above=dialect.first - 1,
-            found=self.comments,
+            self._source, dialect.encoding, dialect.comments, dialect.first - 1, found=self.comments
         )
         block = block or min(CHUNK_ROWS, max(CHUNK_CELLS // width, 1))
         for first, numbers, rows in _row_blocks(lines, dialect.separator, block):
@@ -289,11 +284,7 @@ def _row_blocks(
             yield first, None, rows
             first += len(rows)
         return
-    options: Any = {
-        "delimiter": separator,
-        "strict": True,
-        "skipinitialspace": separator != "\t",
-    }
+    options: Any = {"delimiter": separator, "strict": True, "skipinitialspace": separator != "\t"}
     reader = csv.reader(lines, **options)
     while True:
         try:

@@ -200,23 +200,15 @@ def _numbers(
     if longest == length.min(initial=longest):
         length = length[:1]  # a mask for all
     *high, word = _eights(data, stops - (8 if longest <= 8 else 16), 1 + (longest > 8))
-    marked: Any = False
-    figures: Any = np.uint64(0)
-    word = _digits(word, length)
-    if mark:
-        word, marked, figures = _without(word, mark)
+    word, marked, figures = _without(_digits(word, length), mark)
     found, good = _value(word, 8), _are_digits(word)
     for word in high:
-        word = _digits(word, length - 8)
-        if mark:
-            word, higher, more = _without(word, mark)
-            good &= ~(marked & higher)
-            figures = figures + more + np.uint64(8) * higher
-            found = found + _value(word, 8) * np.where(marked, _POWERS[7], _POWERS[8])
-            marked = marked | higher
-        else:
-            found = found + _value(word, longest - 8) * _POWERS[8]
-        good &= _are_digits(word) & (length <= 16)
+        word, higher, more = _without(_digits(word, length - 8), mark)
+        good &= _are_digits(word) & (length <= 16) & ~(marked & higher)
+        figures = figures + more + np.uint64(8) * higher
+        count = 8 if mark else longest - 8
+        found = found + _value(word, count) * np.where(marked, _POWERS[7], _POWERS[8])
+        marked = marked | higher
     return found, good & (length > marked), figures
 
 
@@ -226,12 +218,13 @@ def _digits(word: Words, length: Positions) -> Words:
 
 
 def _are_digits(word: Words) -> BoolArray:
-    digits: BoolArray = (word + _NO_DIGIT) & _HIGH == 0
-    return digits
+    return np.asarray((word + _NO_DIGIT) & _HIGH == 0)
 
 
-def _without(word: Words, mark: str) -> tuple[Words, BoolArray, Words]:
+def _without(word: Words, mark: str) -> tuple[Words, Any, Any]:
     """Return words without their first mark, which had one, and the number of digits after it."""
+    if not mark:
+        return word, np.False_, np.uint64(0)
     byte = ord(mark) ^ ord("0")
     others = word ^ np.uint64(byte * _BYTES)
     place = (others - np.uint64(_BYTES)) & ~others & _HIGH

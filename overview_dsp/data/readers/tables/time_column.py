@@ -481,7 +481,7 @@ class TimeColumn:
                 continue
             if as_text(texts[0]) != texts[0]:
                 return None
-            read = moments(texts[0], self.format.name, texts.number, texts.runs)
+            read = moments(texts[0], self.format.name, texts)
             if read is None:
                 return None
             at[place], after[place], offset = read
