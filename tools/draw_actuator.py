@@ -17,8 +17,7 @@ from matplotlib.figure import Figure
 from scipy.signal import cont2discrete, lfilter
 
 import overview_dsp as ov
-from overview_dsp.offline.plots.saving import save_figure
-from overview_dsp.offline.plots.style import BLUE, GREY, VERMILION
+from overview_dsp.offline.plots.style import BLUE, GREY, VERMILION, save_figure
 from overview_dsp.signal.actuators.stage import ActuatorStage
 
 FOLDER = Path(__file__).parent.parent / "docs" / "pictures"

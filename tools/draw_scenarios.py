@@ -19,8 +19,7 @@ from matplotlib.figure import Figure
 import overview_dsp as ov
 from overview_dsp.data.timeline.time_expressions import window_of, zoom_window
 from overview_dsp.measure.perceived_level import strokes, window_db
-from overview_dsp.offline.plots.saving import save_figure
-from overview_dsp.offline.plots.style import BLUE, GREY, VERMILION
+from overview_dsp.offline.plots.style import BLUE, GREY, VERMILION, save_figure
 from overview_dsp.offline.plots.timeline import draw_timeline
 from overview_dsp.units import FELT_WINDOW_S
 

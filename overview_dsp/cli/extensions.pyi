@@ -39,7 +39,7 @@ from overview_dsp.kernels.layout import CLICK as CLICK, TACTOR as TACTOR
 from overview_dsp.live.output.settings import resolve_output as resolve_output
 from overview_dsp.measure.perceived_level import stroke_feel as stroke_feel
 from overview_dsp.offline.plots import style
-from overview_dsp.offline.plots.saving import save_figure as save_figure
+from overview_dsp.offline.plots.style import save_figure as save_figure
 from overview_dsp.signal.surface.angle_map import AngleMap as AngleMap
 from overview_dsp.web.assets import (
     START as START,

@@ -46,7 +46,7 @@ def show(
     from overview_dsp.data.readers.registry import list_matches
 
     if plot is not None:
-        from overview_dsp.offline.plots.saving import require_picture
+        from overview_dsp.offline.plots.style import require_picture
 
         require_picture(plot)
     if reading.select is None and plot is None:
@@ -59,7 +59,7 @@ def show(
             return
     data = open_timeline(file, reading, lists_notes=True)
     if plot is not None:
-        from overview_dsp.offline.plots.saving import save_picture
+        from overview_dsp.offline.plots.style import save_picture
         from overview_dsp.offline.plots.timeline import plot_timeline
 
         save_picture(plot_timeline(data), plot)

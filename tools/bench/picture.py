@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 
-from overview_dsp.offline.plots.saving import save_picture
+from overview_dsp.offline.plots.style import save_picture
 from tools.bench.many_voices import BARE_CORES, CORES
 from tools.bench.report import Report
 

@@ -80,7 +80,7 @@ def audition(
     from overview_dsp.files.sound import save_sound
     from overview_dsp.measure.pictures import audition as sound
     from overview_dsp.measure.pictures import plot_gallery
-    from overview_dsp.offline.plots.saving import save_figure
+    from overview_dsp.offline.plots.style import save_figure
 
     if through.player is None:
         refuse_options("needs a --player", "blind_trials", "device")
@@ -147,7 +147,7 @@ def feel(
     --observer simulates which kinds a user distinguishes by touch, by sound and by both. The
     observer learns on random timelines. Its test uses other random timelines and every TIMELINE.
     """
-    from overview_dsp.offline.plots.saving import require_picture, save_picture
+    from overview_dsp.offline.plots.style import require_picture, save_picture
 
     loaded = ov.load_preset(preset)
     loaded_timelines = []

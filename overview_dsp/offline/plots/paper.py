@@ -12,21 +12,7 @@ from overview_dsp.data.timeline import Timeline
 from overview_dsp.design.gestures import Gesture, sweep, tap
 from overview_dsp.design.presets.model import Preset
 from overview_dsp.files.atomic import make_folder
-from overview_dsp.offline.plots.saving import save_figure
-from overview_dsp.offline.plots.style import (
-    BLACK,
-    BLUE,
-    GAP_STYLE,
-    GREEN,
-    GREY,
-    VERMILION,
-    extremes,
-    has_face,
-    mark_events,
-    new_figure,
-    styles_of,
-    tidy,
-)
+from overview_dsp.offline.plots import style
 from overview_dsp.offline.plots.timeline import plot_timeline
 from overview_dsp.offline.rendering.offline import RenderResult, render
 from overview_dsp.units import HALF_TURN
@@ -61,11 +47,9 @@ def draw(timeline: Timeline, results: dict[str, RenderResult], folder: str | Pat
         f"{timeline.title}: a tap",
         [GESTURES["tap"]],
     )
-    return [
-        *save_figure(plot_timeline(timeline, fast.engine.surface.angle_map), out / "figure-4"),
-        *save_figure(sweeps, out / "figure-5"),
-        *save_figure(taps, out / "figure-6"),
-    ]
+    data = plot_timeline(timeline, fast.engine.surface.angle_map)
+    figures = {"figure-4": data, "figure-5": sweeps, "figure-6": taps}
+    return [path for name, one in figures.items() for path in style.save_figure(one, out / name)]
 
 
 def plot_strokes(
@@ -79,7 +63,7 @@ def plot_strokes(
     Gaps in the data are hatched. With a slip clutch, the curve of disk 2 is the rest position of
     the clutch, not the input angle. With `gestures`, the input angle is plotted, too.
     """
-    figure = new_figure(5.2 * len(results) + 0.6, 9.0)
+    figure = style.new_figure(5.2 * len(results) + 0.6, 9.0)
     grid: Any = figure.subplots(5, len(results), sharex="col", sharey="row", squeeze=False)
     for column, (name, result) in enumerate(results):
         trace = result.trace
@@ -89,32 +73,33 @@ def plot_strokes(
         time, touching = trace.time[shown], trace.touching[shown] > 0.5
         axes: list[Axes] = list(grid[:, column])
         rows = (
-            (trace.torque[shown] * 1e3, "(a) torque\nmN·m, logarithmic", BLUE),
-            (trace.torque[shown] * 1e3, "torque\nmN·m, linear", BLUE),
-            (trace.friction[shown] * 1e3, "(b) friction B\nmN·m·s/rad", VERMILION),
-            (trace.cursor[shown] * HALF_TURN, "(c) disk 1\nrad on the surface", BLACK),
-            (trace.theta2[shown] * trace.engaged[shown], "(d) disk 2\nrad", GREEN),
+            (trace.torque[shown] * 1e3, "(a) torque\nmN·m, logarithmic", style.BLUE),
+            (trace.torque[shown] * 1e3, "torque\nmN·m, linear", style.BLUE),
+            (trace.friction[shown] * 1e3, "(b) friction B\nmN·m·s/rad", style.VERMILION),
+            (trace.cursor[shown] * HALF_TURN, "(c) disk 1\nrad on the surface", style.BLACK),
+            (trace.theta2[shown] * trace.engaged[shown], "(d) disk 2\nrad", style.GREEN),
         )
         for ax, (values, label, colour) in zip(axes, rows, strict=True):
-            ax.plot(*extremes(time, values), color=colour, linewidth=1.0)
+            ax.plot(*style.extremes(time, values), color=colour, linewidth=1.0)
             if column == 0:
                 ax.set_ylabel(label)
-            tidy(ax)
+            style.tidy(ax)
             if touching.any() and not touching.all():
                 release = float(time[np.flatnonzero(touching)[-1]])
-                ax.axvline(release, color=GREY, linestyle="--", linewidth=0.9)
+                ax.axvline(release, color=style.GREY, linestyle="--", linewidth=0.9)
         if gestures:
             gesture = gestures[column]
             latest = np.searchsorted(gesture.time_s, time, side="right") - 1
             inside = touching & (latest >= 0)
             angle = np.where(inside, gesture.theta2[np.maximum(latest, 0)], 0.0)
+            input_angle = style.extremes(time, angle)
             axes[4].plot(
-                *extremes(time, angle), color=GREY, linewidth=0.9, label="input angle", zorder=1.5
+                *input_angle, color=style.GREY, linewidth=0.9, label="input angle", zorder=1.5
             )
         _mark_strikes(axes[0], result, timeline, float(time[-1]))
         for gap in timeline.gaps:
             start, end = result.engine.surface.position_of(gap) * HALF_TURN
-            axes[3].axhspan(start, end, **GAP_STYLE)
+            axes[3].axhspan(start, end, **style.GAP_STYLE)
         axes[0].set_title(name, fontsize=10, pad=14)
         # logarithmic beyond 1 mN·m to show the base surface and goals together; the linear
         # panel shows their distance
@@ -142,7 +127,7 @@ def _mark_strikes(axes: Axes, result: RenderResult, timeline: Timeline, end: flo
     # a row of marks just above the axes
     above = axes.get_xaxis_transform()
     strikes = result.strikes.of_events()
-    for kind, style in styles_of(timeline).items():
+    for kind, mark in style.styles_of(timeline).items():
         at = [
             time
             for time, event in zip(strikes.time_s, strikes.event, strict=True)
@@ -150,6 +135,6 @@ def _mark_strikes(axes: Axes, result: RenderResult, timeline: Timeline, end: flo
         ]
         if not at or kind in ("foul", "period", "touch", "shot"):
             continue
-        width = 0.5 if has_face(style[0]) else 1.2
+        width = 0.5 if style.has_face(mark[0]) else 1.2
         options = {"transform": above, "clip_on": False, "zorder": 4, "linewidths": width}
-        mark_events(axes, at, np.full(len(at), 1.03), style, 26, **options)
+        style.mark_events(axes, at, np.full(len(at), 1.03), mark, 26, **options)

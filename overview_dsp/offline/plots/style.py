@@ -1,11 +1,14 @@
-"""Colours, markers and frames of all plots.
+"""Colours, markers, frames and files of all plots.
 
 Colours are Okabe and Ito's, which colour-blind eyes distinguish; event kinds differ in shape too.
+Files are PNG, SVG and PDF, written completely or not at all.
 """
 
 from __future__ import annotations
 
+import os
 import zlib
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,12 +16,13 @@ from numpy.typing import ArrayLike
 
 from overview_dsp.arrays import FloatArray
 from overview_dsp.data.timeline import Timeline
+from overview_dsp.errors import InputError
+from overview_dsp.files.atomic import atomic_file, require_writable
 from overview_dsp.files.toml import load_toml
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-
 
 BLACK, ORANGE, SKY, GREEN = "#000000", "#E69F00", "#56B4E9", "#009E73"
 YELLOW, BLUE, VERMILION, PURPLE = "#F0E442", "#0072B2", "#D55E00", "#CC79A7"
@@ -94,3 +98,40 @@ def extremes(x: FloatArray, y: FloatArray, points: int = _POINTS) -> tuple[Float
     edges = np.linspace(0, len(x), points + 1).astype(int)[:-1]
     low, high = np.minimum.reduceat(y, edges), np.maximum.reduceat(y, edges)
     return np.repeat(x[edges], 2), np.column_stack([low, high]).ravel()
+
+
+PICTURES = (".png", ".svg", ".pdf")  # formats of figures by file suffix
+
+
+def require_picture(path: str | os.PathLike[str]) -> None:
+    """Raise InputError early for a figure that could not be written later."""
+    _picture_suffix(path)
+    require_writable(path)
+
+
+def _picture_suffix(path: str | os.PathLike[str]) -> str:
+    suffix = Path(path).suffix.lower()
+    if suffix not in PICTURES:
+        raise InputError(f"{path}: a picture is {', '.join(PICTURES)}; choose one of them")
+    return suffix
+
+
+def save_picture(figure: Figure, path: str | os.PathLike[str]) -> None:
+    """Write a figure to a file (`PICTURES`); errors as in `atomic_file`."""
+    import matplotlib
+
+    # no date and fixed ids, so that the same figure gives the same bytes
+    metadata = {".png": {"Software": None}, ".svg": {"Date": None}, ".pdf": {"CreationDate": None}}
+    suffix = _picture_suffix(path)
+    # TrueType, because publishers refuse the default, Type 3
+    settings: Any = {"svg.hashsalt": "overview", "svg.fonttype": "none", "pdf.fonttype": 42}
+    with matplotlib.rc_context(settings), atomic_file(path) as temporary:
+        figure.savefig(temporary, dpi=300, metadata=metadata[suffix])
+
+
+def save_figure(figure: Figure, stem: str | os.PathLike[str]) -> list[Path]:
+    """Write a figure as PNG and SVG; return the files."""
+    written = [Path(f"{os.fspath(stem)}{suffix}") for suffix in (".png", ".svg")]
+    for path in written:
+        save_picture(figure, path)
+    return written

@@ -19,16 +19,7 @@ from overview_dsp.data.analysis.crowd_excitement import FOOTBALL_KINDS
 from overview_dsp.data.timeline import Intensity, Timeline
 from overview_dsp.data.timeline.gaps import in_gap
 from overview_dsp.data.timeline.ticks import Half, halves_of
-from overview_dsp.offline.plots.style import (
-    BLACK,
-    GAP_STYLE,
-    GREY,
-    has_face,
-    mark_events,
-    new_figure,
-    styles_of,
-    tidy,
-)
+from overview_dsp.offline.plots import style
 from overview_dsp.signal.surface.angle_map import AngleMap
 
 if TYPE_CHECKING:
@@ -87,7 +78,7 @@ class TimeAxis:
         along = axes.get_xaxis_transform()
         for first, last in self._map.stretched():
             ends = first * self.width, last * self.width
-            axes.plot(ends, (0.0, 0.0), transform=along, color=BLACK, linewidth=3.0,
+            axes.plot(ends, (0.0, 0.0), transform=along, color=style.BLACK, linewidth=3.0,
                       solid_capstyle="butt", clip_on=False, zorder=5)  # fmt: skip
         axes.set_xlabel(f"{axes.get_xlabel()}; bold: stretched, so that close events lie apart")
 
@@ -154,7 +145,7 @@ def plot_timeline(timeline: Timeline, angle_map: AngleMap | None = None) -> Figu
     """
     axis = TimeAxis(timeline, angle_map)
     signal = timeline.signal
-    figure = new_figure(9.0, 3.6 if signal is None else 5.2)
+    figure = style.new_figure(9.0, 3.6 if signal is None else 5.2)
     heights = (1,) if signal is None else (2, 1)
     grid: Any = figure.subplots(len(heights), 1, squeeze=False, height_ratios=heights)
     axes = grid[0, 0]
@@ -162,12 +153,12 @@ def plot_timeline(timeline: Timeline, angle_map: AngleMap | None = None) -> Figu
     if signal is not None:
         below = grid[1, 0]
         _draw_gaps(below, timeline, axis)
-        _draw_curve(below, timeline, signal, axis, BLACK, band=0.8)
+        _draw_curve(below, timeline, signal, axis, style.BLACK, band=0.8)
         below.set_ylabel(signal.unit or "signal")
         axis.label(below)
         axes.set_xlabel("")
         axes.tick_params(labelbottom=False)
-        tidy(below)
+        style.tidy(below)
     figure.subplots_adjust(
         left=0.085, right=0.7, top=0.92, bottom=0.14 if signal is None else 0.1, hspace=0.12
     )
@@ -185,11 +176,11 @@ def draw_timeline(axes: Axes, timeline: Timeline, angle_map: AngleMap | None = N
     axis = TimeAxis(timeline, angle_map)
     _draw_gaps(axes, timeline, axis)
     if timeline.intensity is not None:
-        _draw_curve(axes, timeline, timeline.intensity, axis, GREY)
+        _draw_curve(axes, timeline, timeline.intensity, axis, style.GREY)
         _label_values(axes, timeline, timeline.intensity)
     _draw_events(axes, timeline, axis)
     axis.label(axes)
-    tidy(axes)
+    style.tidy(axes)
 
 
 def _draw_gaps(axes: Axes, timeline: Timeline, axis: TimeAxis) -> None:
@@ -200,7 +191,7 @@ def _draw_gaps(axes: Axes, timeline: Timeline, axis: TimeAxis) -> None:
         start, end = axis.x(gap).tolist()
         words = f"no data: {reason}" if reason else "no data"
         label = None if reason in named else f"{words} ({reasons.count(reason)})"
-        axes.axvspan(start, end, label=label, zorder=1, **GAP_STYLE)
+        axes.axvspan(start, end, label=label, zorder=1, **style.GAP_STYLE)
         named.add(reason)
         if end - start >= _NAMED_GAP * axis.width:
             axes.text(
@@ -278,21 +269,21 @@ def _draw_events(axes: Axes, timeline: Timeline, axis: TimeAxis) -> None:
     """
     places = axis.event_x()
     bottom, _ = axes.get_ylim()
-    styles = styles_of(timeline)
+    styles = style.styles_of(timeline)
     rows = timeline.intensity is None
     teams = {} if rows else _team_rows(axes, timeline)
-    for row, (kind, style) in enumerate(styles.items()):
+    for row, (kind, mark) in enumerate(styles.items()):
         events = [event for event in timeline.events if event.kind == kind]
         at = np.array([event.time_s for event in events])
         x = places[[event.kind == kind for event in timeline.events]]
         height = np.full(len(at), float(row)) if rows else _heights(timeline, at, bottom)
         height = np.array([teams.get(one.side, h) for one, h in zip(events, height, strict=True)])
         goal = kind in ("goal", "own_goal")
-        options: dict[str, Any] = {"label": f"{style[2]} ({len(at)})", "zorder": 4 if goal else 3}
-        if has_face(style[0]) and len(at) >= _CROWDED:
+        options: dict[str, Any] = {"label": f"{mark[2]} ({len(at)})", "zorder": 4 if goal else 3}
+        if style.has_face(mark[0]) and len(at) >= _CROWDED:
             options["linewidths"] = 0.3
         size = 90 if goal else 46 if len(at) < _CROWDED else 14
-        mark_events(axes, x, height, style, size, **options)
+        style.mark_events(axes, x, height, mark, size, **options)
         if goal:
             for event, place, level in zip(events, x.tolist(), height.tolist(), strict=True):
                 if score := event.label.split(" ")[0]:
@@ -315,7 +306,7 @@ def _team_rows(axes: Axes, timeline: Timeline) -> dict[int, float]:
     axes.set_ylim(bottom, top + 2.3 * step)
     rows = {1: top + 1.4 * step, 2: top + 0.4 * step}
     for height, name in zip(rows.values(), timeline.sides or ("team 1", "team 2"), strict=True):
-        axes.axhline(height, color=GREY, linewidth=0.5, zorder=1)
+        axes.axhline(height, color=style.GREY, linewidth=0.5, zorder=1)
         axes.annotate(textwrap.fill(name, 14), (0.0, height), (-5, 0),
                       axes.get_yaxis_transform(), "offset points", ha="right", va="center",
                       fontsize=7)  # fmt: skip

@@ -12,8 +12,7 @@ from hypothesis.extra import numpy as hnp
 
 import overview_dsp as ov
 from overview_dsp.offline.plots.paper import draw, plot_strokes, renders
-from overview_dsp.offline.plots.saving import save_figure
-from overview_dsp.offline.plots.style import KIND_STYLE, extremes, styles_of
+from overview_dsp.offline.plots.style import KIND_STYLE, extremes, save_figure, styles_of
 from overview_dsp.offline.plots.timeline import plot_timeline
 from tests.examples import preset_with, timeline_of
 

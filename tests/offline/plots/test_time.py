@@ -7,7 +7,7 @@ import pytest
 
 import overview_dsp as ov
 from overview_dsp.errors import InputError
-from overview_dsp.offline.plots.saving import save_picture
+from overview_dsp.offline.plots.style import save_picture
 from overview_dsp.offline.plots.timeline import plot_timeline
 
 
