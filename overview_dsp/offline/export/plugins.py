@@ -1,30 +1,30 @@
 """Audio plugins: the voice in C with images of timelines, compiled for audio workstations.
 
 `plugin/` has the sources: `voice.h` is shared by all formats, `bundle.h` declares the generated
-data. Formats differ in the location of the library and in additional files for hosts.
+data. Formats differ in the location of the library and in additional files for hosts. The sources
+are compiled by the system's compiler, or by PyPI's ziglang for other machines.
 """
 
 from __future__ import annotations
 
+import importlib.util
 import os
+import platform
 import plistlib
+import shutil
+import subprocess
+import sys
 import tempfile
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 
 from overview_dsp.data.timeline import Timeline
 from overview_dsp.design.presets.model import Preset
-from overview_dsp.errors import InputError, quoted
+from overview_dsp.errors import InputError, OverviewError, quoted
 from overview_dsp.files.atomic import make_folder
 from overview_dsp.files.toml import load_toml
-from overview_dsp.offline.export.c_code import (
-    Machine,
-    c_sources,
-    compile_library,
-    compiler_of,
-    machine_of,
-    write_files,
-)
+from overview_dsp.offline.export.c_code import c_sources, write_files
 from overview_dsp.offline.export.plugin_bundle import (
     DESCRIPTIONS,
     IMAGES,
@@ -36,7 +36,81 @@ from overview_dsp.offline.export.plugin_bundle import (
     manifest,
 )
 
+_FLAGS = ("-std=c11", "-O2", "-shared", "-fvisibility=hidden")
+# after those in CC, which may let the compiler change the arithmetic
+_EXACT = ("-fno-fast-math", "-ffp-contract=off")
+_ZIG = {
+    # an old glibc, for compatibility with newer ones
+    "x86_64-linux": "x86_64-linux-gnu.2.17",
+    "aarch64-linux": "aarch64-linux-gnu.2.17",
+    "x86_64-windows": "x86_64-windows-gnu",
+    "x86_64-macos": "x86_64-macos",
+    "aarch64-macos": "aarch64-macos",
+}
+TARGETS = tuple(_ZIG)  # names of the machines for which plugins can be compiled
+_SYSTEMS = {"linux": "linux", "darwin": "macos", "win32": "windows"}
+_MACHINES = {"amd64": "x86_64", "arm64": "aarch64"}
 _LIBRARY = {"linux": ".so", "windows": ".dll", "macos": ".dylib"}
+
+
+@dataclass(frozen=True)
+class Machine:
+    """Target of a plugin: processor (such as `x86_64`) and `linux`, `windows` or `macos`."""
+
+    processor: str
+    system: str
+
+
+def machine_of(target: str | None) -> Machine:
+    """Return the machine of a target, or this one; raise InputError if it is unknown."""
+    if target is None:
+        processor = platform.machine().lower()
+        system = _SYSTEMS.get(sys.platform, "linux")
+        return Machine(_MACHINES.get(processor, processor), system)
+    if target not in _ZIG:
+        raise InputError(f"target is {quoted(target)}; must be one of {', '.join(TARGETS)}")
+    return Machine(*target.split("-"))
+
+
+def compiler_of(target: str | None) -> list[str]:
+    """Return the command of the system's C compiler, or of ziglang, as always for a target."""
+    zig = [sys.executable, "-m", "ziglang", "cc"]
+    has_zig = importlib.util.find_spec("ziglang") is not None
+    if target is not None:
+        if not has_zig:
+            raise OverviewError(f"a plugin for {target} needs ziglang: pip install ziglang")
+        return [*zig, "-target", _ZIG[target], "-s"]
+    chosen = os.environ.get("CC", "").split()
+    if chosen:
+        if shutil.which(chosen[0]) is None:
+            raise OverviewError(f"CC is {quoted(chosen[0])}, which is not installed")
+        return chosen
+    for command in ("cc", "gcc", "clang"):
+        if shutil.which(command):
+            return [command]
+    if has_zig:
+        return zig
+    raise OverviewError(
+        "a plugin needs a C compiler: install gcc or clang (Debian, Ubuntu: apt install gcc), or "
+        "pip install ziglang"
+    )
+
+
+def compile_library(
+    compiler: Sequence[str], machine: Machine, sources: Sequence[str], folder: Path, name: str
+) -> None:
+    """Compile a shared library; raise OverviewError with the compiler's first error."""
+    code = [] if machine.system == "windows" else ["-fPIC"]
+    command = [*compiler, *_FLAGS, *_EXACT, *code, *sources, "-o", name, "-lm"]
+    try:
+        done = subprocess.run(
+            command, cwd=folder, capture_output=True, text=True, errors="replace", check=False
+        )
+    except OSError as error:
+        raise OverviewError(f"the C compiler {compiler[0]} doesn't start: {error}") from None
+    if done.returncode:
+        lines = [line for line in done.stderr.splitlines() if "error" in line] or [done.stderr]
+        raise OverviewError(f"the C compiler {compiler[0]} failed: {lines[0].strip()}")
 
 
 def contents_of(to: str, bundle: Bundle, machine: Machine, library: bytes) -> dict[str, bytes]:

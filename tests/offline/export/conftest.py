@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from overview_dsp.offline.export import c_code, plugin_bundle
+from overview_dsp.offline.export import plugin_bundle, plugins
 
 
 @pytest.fixture
@@ -17,9 +17,9 @@ def unoptimised(monkeypatch):
 
     Their bits are those of optimised ones (test_c.py).
     """
-    flags = tuple("-O0" if flag == "-O2" else flag for flag in c_code._FLAGS)
-    assert flags != c_code._FLAGS
-    monkeypatch.setattr(c_code, "_FLAGS", flags)
+    flags = tuple("-O0" if flag == "-O2" else flag for flag in plugins._FLAGS)
+    assert flags != plugins._FLAGS
+    monkeypatch.setattr(plugins, "_FLAGS", flags)
 
 
 @pytest.fixture

@@ -12,9 +12,8 @@ import pytest
 
 import overview_dsp as ov
 from overview_dsp.errors import InputError, OverviewError
-from overview_dsp.offline.export.c_code import Machine, machine_of
 from overview_dsp.offline.export.plugin_bundle import bundle_of, host_id, parameter_ids
-from overview_dsp.offline.export.plugins import contents_of
+from overview_dsp.offline.export.plugins import Machine, contents_of, machine_of
 from tests.cli.running import MATCH, overview
 from tests.offline.export.plugin_playing import (
     EARLIER,

@@ -15,7 +15,7 @@ import pytest
 
 import overview_dsp as ov
 from overview_dsp.cli.plugin import _TARGETS
-from overview_dsp.offline.export.c_code import TARGETS
+from overview_dsp.offline.export.plugins import TARGETS
 from tests.offline.export.plugin_playing import (
     EARLIER,
     HEADERS,
