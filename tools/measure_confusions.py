@@ -34,7 +34,8 @@ import overview_dsp as ov
 from overview_dsp.arrays import FloatArray
 from overview_dsp.kernels.layout import TACTOR
 from overview_dsp.measure.observer.forest import fit_forest
-from overview_dsp.measure.perceived_level import TOUCH_FLOOR_DB, levels, strokes, touch_pulses
+from overview_dsp.measure.perceived_level import strokes
+from overview_dsp.measure.perception import TOUCH_FLOOR_DB, levels, touch_pulses
 from overview_dsp.offline.rendering.many import RenderJob, render_many
 from overview_dsp.units import FELT_WINDOW_S
 

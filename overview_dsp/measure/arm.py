@@ -20,15 +20,9 @@ from overview_dsp.data.timeline import Timeline
 from overview_dsp.design.gestures import Gesture, arm, flick, scrub, sweep, tap
 from overview_dsp.design.gestures.scripts import APPROACH_REST_S, APPROACH_S
 from overview_dsp.design.presets.model import Preset
+from overview_dsp.measure import perception
 from overview_dsp.measure.event_table import FLOOR_DB, FeltEvents, felt_events
 from overview_dsp.measure.observer.scoring import GROUPS, MINOR
-from overview_dsp.measure.perceived_level import (
-    AFTER_MS,
-    BEFORE_MS,
-    MIN_PULSE_GAP_MS,
-    levels,
-    touch_pulses,
-)
 from overview_dsp.measure.report_base import Report, cell
 from overview_dsp.offline.rendering.many import RenderedJob, RenderJob, render_many
 from overview_dsp.offline.rendering.trace import Trace
@@ -318,7 +312,7 @@ def _count(parts: Iterable[BoolArray]) -> int:
 def felt_above(one: FeltEvents, rows: BoolArray, weakest: str) -> BoolArray:
     """Return which rows are detected and stronger than every distant event of the weakest kind."""
     reached = one.reached & rows
-    gap_s = MIN_PULSE_GAP_MS / 1e3
+    gap_s = perception.MIN_PULSE_GAP_MS / 1e3
     first_s, last_s = one.first_s[reached], one.last_s[reached]
     highest_db = -np.inf  # of the distant events of the weakest kind
     for row in np.flatnonzero(one.of(weakest) & one.reached & ~rows).tolist():
@@ -365,7 +359,7 @@ def felt_range_db(one: FeltEvents) -> float:
     at_ms = np.arange(len(course)) + 1e3 * one.stroke.start / one.sample_rate
     for first, last in zip(1e3 * one.first_s, 1e3 * one.last_s, strict=True):
         if np.isfinite(first):
-            free &= (at_ms < first - 10) | (at_ms > last + AFTER_MS)
+            free &= (at_ms < first - 10) | (at_ms > last + perception.AFTER_MS)
     low, high = np.nanpercentile(curve_at(np.linspace(_EDGE, 1.0 - _EDGE, 1000)), [20.0, 80.0])
     curve, level = curve_at(course)[free], one.level[: len(course)][free]
     if not (curve >= high).any() or not (curve <= low).any():
@@ -400,15 +394,15 @@ def crossings(done: RenderedJob[Trace], row: int, hz: float) -> list[tuple[bool,
     per_ms = done.sample_rate / 1e3
     course = done.trace.cursor
     cursor = course[np.arange(0.0, len(course), per_ms).astype(np.int64)]
-    level = levels(done.samples[:, 1], done.sample_rate, FELT_WINDOW_S, FLOOR_DB)
+    level = perception.levels(done.samples[:, 1], done.sample_rate, FELT_WINDOW_S, FLOOR_DB)
     start, end = done.surface.span[row]
     # in milliseconds, of all samples: a disk may pass a narrow event in less than one
     on = np.unique(np.flatnonzero((course >= start) & (course <= end)) // per_ms)
-    pulses = touch_pulses(level)
+    pulses = perception.touch_pulses(level)
     pulses = pulses[level[pulses] >= SCRUB_DB]
     # the disk is on the event from 40 ms before a pulse to 15 ms after it
-    next_on = np.append(on, np.inf)[np.searchsorted(on, pulses - AFTER_MS)]
-    pulses = pulses[next_on <= pulses + BEFORE_MS]
+    next_on = np.append(on, np.inf)[np.searchsorted(on, pulses - perception.AFTER_MS)]
+    pulses = pulses[next_on <= pulses + perception.BEFORE_MS]
     begin_s = APPROACH_S + APPROACH_REST_S
     found = []
     for crossing_s in np.arange(0.25, hz * (done.job.gesture.duration_s - begin_s) - 0.5, 0.5) / hz:

@@ -12,7 +12,7 @@ An outward stroke ends where the disk turns back, which may be after the release
 - *duration*: time for which the level stays within 6 dB of its highest, ms (of an event with a
   contrast below 12 dB: in the upper half of the contrast);
 - *click*: highest RMS over 10 ms of the click, dB of full scale, and when it is struck;
-- *detected*: a pulse (`perceived_level.touch_pulses`) belongs to the event;
+- *detected*: a pulse (`perception.touch_pulses`) belongs to the event;
 - *masked*: its level is less than one JND above the level between the events;
 - *merged*: it strikes within 30 ms of another event, so that both are felt as one;
 - *lost*: that other event has more friction and hides it.
@@ -33,21 +33,8 @@ from overview_dsp.design.gestures import Gesture
 from overview_dsp.design.presets.model import Preset
 from overview_dsp.errors import InputError, quoted
 from overview_dsp.kernels.layout import CLICK, TACTOR
-from overview_dsp.measure.perceived_level import (
-    AFTER_MS,
-    BEFORE_MS,
-    FALL_DB,
-    GESTURES,
-    JND_DB,
-    MERGED_S,
-    TRAILING_S,
-    Stroke,
-    levels,
-    near_peak,
-    passages,
-    strokes,
-    touch_pulses,
-)
+from overview_dsp.measure import perception
+from overview_dsp.measure.perceived_level import GESTURES, Stroke, passages, strokes
 from overview_dsp.offline.rendering.many import RenderedJob, RenderJob, render_many
 from overview_dsp.offline.rendering.schedule import Tail
 from overview_dsp.offline.rendering.trace import Trace
@@ -183,7 +170,7 @@ class FeltEvents:
     @property
     def masked(self) -> BoolArray:
         """Events whose level is less than one JND above the level between the events."""
-        return np.asarray(self.contrast_db < JND_DB)
+        return np.asarray(self.contrast_db < perception.JND_DB)
 
     def of(self, *kinds: str) -> BoolArray:
         """Return which events are passed, of the given kinds or of all.
@@ -286,9 +273,9 @@ def _measured(done: RenderedJob[Trace], stroke: Stroke, name: str) -> FeltEvents
     cursor = done.trace.cursor[stroke.start : stroke.stop]
     torque = np.abs(done.trace.torque[stroke.start : stroke.stop])
     slope = np.diff(torque, prepend=torque[:1]) * rate
-    trailing = round(TRAILING_S * rate) if outward else 0
+    trailing = round(perception.TRAILING_S * rate) if outward else 0
     samples = done.samples[stroke.start : stroke.stop + trailing]
-    level = levels(samples[:, TACTOR], rate, FELT_WINDOW_S, FLOOR_DB)
+    level = perception.levels(samples[:, TACTOR], rate, FELT_WINDOW_S, FLOOR_DB)
     course = cursor[np.arange(0.0, len(cursor), per_ms).astype(np.int64)]
     away = np.flatnonzero(np.abs(cursor - cursor[-1]) > ARRIVED)
     arrived = min(int(away[-1]) + 2 if len(away) else len(cursor), len(cursor))
@@ -302,7 +289,7 @@ def _measured(done: RenderedJob[Trace], stroke: Stroke, name: str) -> FeltEvents
     free = level[windows][on_event[last_frame] == on_event[first_frame]]
     free_db = float(np.median(free)) if len(free) else np.nan
 
-    pulses = touch_pulses(level)
+    pulses = perception.touch_pulses(level)
     rows, first, last = passages(surface, cursor)
     count = len(surface.position)
     frames, (high, sharpness, duration) = np.full((2, count), np.nan), np.full((3, count), np.nan)
@@ -318,7 +305,8 @@ def _measured(done: RenderedJob[Trace], stroke: Stroke, name: str) -> FeltEvents
         near = max(int(begin_ms) - HALF_WINDOW_MS, 0)
         if near < len(level):
             high[row] = level[near : int(end_ms) + HALF_WINDOW_MS + 1].max()
-            detected[row] = ((pulses >= begin_ms - BEFORE_MS) & (pulses <= end_ms + AFTER_MS)).any()
+            first_ms, last_ms = begin_ms - perception.BEFORE_MS, end_ms + perception.AFTER_MS
+            detected[row] = ((pulses >= first_ms) & (pulses <= last_ms)).any()
         duration[row] = _duration_ms(level[windows], course[windows], surface.span[row], free_db)
 
     start, end_of_span = surface.span.T
@@ -379,8 +367,8 @@ def _duration_ms(level: FloatArray, course: FloatArray, span: FloatArray, free_d
         return np.nan
     peak = int(inside[np.argmax(level[inside])])
     contrast = level[peak] - free_db
-    fall_db = min(FALL_DB, 0.5 * contrast) if contrast > 0.0 else FALL_DB
-    return near_peak(level, peak, fall_db)
+    fall_db = min(perception.FALL_DB, 0.5 * contrast) if contrast > 0.0 else perception.FALL_DB
+    return perception.near_peak(level, peak, fall_db)
 
 
 def _lags(
@@ -410,7 +398,7 @@ def _clicks(
     Return also whether another event is struck within 30 ms, and the kind that hides the event.
     """
     rate, envelope, release = done.sample_rate, done.trace.envelope, done.surface.release
-    level = levels(click, rate, FELT_WINDOW_S, FLOOR_DB)
+    level = perception.levels(click, rate, FELT_WINDOW_S, FLOOR_DB)
     row_of = {event: row for row, event in enumerate(done.surface.event.tolist())}
     struck, loud, lag = np.full((3, len(kinds)), np.nan)
     merged, lost_to = np.zeros(len(kinds), dtype=bool), np.full_like(kinds, "")
@@ -429,7 +417,7 @@ def _clicks(
             begin = max(0, first - near)
             felt = begin + int(np.argmax(envelope[begin : max(last, first + peak) + near]))
             lag[row] = 1e3 * abs(felt / rate - time_s)
-        beside = rows[np.abs(times - time_s) < MERGED_S]
+        beside = rows[np.abs(times - time_s) < perception.MERGED_S]
         merged[row] |= (beside != row).any()
         strongest = beside[np.argmax(release[beside])]
         if release[strongest] > release[row]:

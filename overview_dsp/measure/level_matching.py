@@ -26,18 +26,8 @@ from overview_dsp.design.gestures import Gesture
 from overview_dsp.design.presets.model import Preset
 from overview_dsp.errors import InputError
 from overview_dsp.kernels.layout import CLICK, TACTOR
-from overview_dsp.measure.perceived_level import (
-    FALL_DB,
-    GESTURES,
-    JND_DURATION,
-    JND_SHARPNESS,
-    PULSE_HOP_S,
-    near_peak,
-    pulse_indices,
-    ratio_jnds,
-    strokes,
-    window_db,
-)
+from overview_dsp.measure import perception
+from overview_dsp.measure.perceived_level import GESTURES, strokes, window_db
 from overview_dsp.measure.report import jnds_over_strokes
 from overview_dsp.offline.rendering.offline import RenderResult, render
 
@@ -156,7 +146,7 @@ class PerceptualFeatures:
         return f"PerceptualFeatures({values})"
 
 
-_JNDS = {"sharpness": JND_SHARPNESS}
+_JNDS = {"sharpness": perception.JND_SHARPNESS}
 _LEAST = {"density_hz": LEAST_DENSITY_HZ, "rhythm": LEAST_RHYTHM}
 
 
@@ -239,19 +229,20 @@ def _differences(one: PerceptualFeatures, other: PerceptualFeatures) -> list[flo
     for name, value in vars(one).items():
         least = _LEAST.get(name, 0.0)
         pair = value + least, getattr(other, name) + least
-        found.append(ratio_jnds(*pair, _JNDS.get(name, JND_DURATION)))
+        found.append(perception.ratio_jnds(*pair, _JNDS.get(name, perception.JND_DURATION)))
     return found
 
 
 def _features(result: RenderResult, start: int, stop: int) -> PerceptualFeatures:
     rate = result.sample_rate
-    level = window_db(result.samples[start:stop, TACTOR], rate, PULSE_HOP_S)[1]
-    peaks = pulse_indices(level)
+    level = window_db(result.samples[start:stop, TACTOR], rate, perception.PULSE_HOP_S)[1]
+    peaks = perception.pulse_indices(level)
     pauses = np.diff(peaks)
-    reach = round(RISE_S / PULSE_HOP_S)
+    reach = round(RISE_S / perception.PULSE_HOP_S)
     onsets = [level[max(0, peak - reach) : peak + 1] for peak in peaks]
-    rises = [np.diff(onset).max() / PULSE_HOP_S for onset in onsets if len(onset) > 1]
-    durations = [near_peak(level, int(peak), FALL_DB) * PULSE_HOP_S * 1000.0 for peak in peaks]
+    rises = [np.diff(onset).max() / perception.PULSE_HOP_S for onset in onsets if len(onset) > 1]
+    near = [perception.near_peak(level, int(peak), perception.FALL_DB) for peak in peaks]
+    durations = [count * perception.PULSE_HOP_S * 1000.0 for count in near]
     seconds = (stop - start) / rate
     brightness, decay = _timbre(result, start, stop)
     return PerceptualFeatures(
@@ -278,10 +269,10 @@ def _timbre(result: RenderResult, start: int, stop: int) -> tuple[float, float]:
     loud = total >= total.max() * 10.0 ** (-_LOUD_DB / 10.0)
     pitch = np.fft.rfftfreq(_FFT, 1.0 / rate)
     centroids = (power[loud] @ pitch) / total[loud]
-    level = window_db(result.samples[start:stop, CLICK], rate, PULSE_HOP_S)[1]
+    level = window_db(result.samples[start:stop, CLICK], rate, perception.PULSE_HOP_S)[1]
     decays = []
-    for peak in pulse_indices(level):
+    for peak in perception.pulse_indices(level):
         below = np.flatnonzero(level[peak:] <= level[peak] - _DECAY_DB)
         if len(below) and level[peak] >= level.max() - _LOUD_DB:
-            decays.append(below[0] * PULSE_HOP_S * 1000.0)
+            decays.append(below[0] * perception.PULSE_HOP_S * 1000.0)
     return float(np.median(centroids)), float(np.median(decays)) if decays else math.nan

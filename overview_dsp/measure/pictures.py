@@ -12,7 +12,7 @@ from overview_dsp.data.timeline import Event, Timeline
 from overview_dsp.design.gestures import sweep
 from overview_dsp.design.presets.model import Preset
 from overview_dsp.measure.observer.scoring import NOTHING, ObserverScores
-from overview_dsp.measure.perceived_level import JND_DB
+from overview_dsp.measure.perception import JND_DB
 from overview_dsp.measure.report_base import cell
 from overview_dsp.offline.plots.style import BLUE, GREY, VERMILION, extremes, new_figure, tidy
 from overview_dsp.offline.rendering.offline import RenderResult, render

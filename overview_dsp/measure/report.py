@@ -29,17 +29,9 @@ from overview_dsp.data.timeline import Timeline
 from overview_dsp.design.gestures import Gesture
 from overview_dsp.design.presets.model import Preset
 from overview_dsp.kernels.derive import ARRIVAL_S
+from overview_dsp.measure import perception
 from overview_dsp.measure.event_table import HALF_WINDOW_MS, FeltEvents, felt_events
-from overview_dsp.measure.perceived_level import (
-    GESTURES,
-    JND_DB,
-    JND_DURATION,
-    JND_SHARPNESS,
-    MERGED_S,
-    PULSE_HOP_S,
-    pulse_indices,
-    ratio_jnds,
-)
+from overview_dsp.measure.perceived_level import GESTURES
 from overview_dsp.measure.report_base import Report, cell, entry_named
 from overview_dsp.offline.rendering.schedule import Tail
 from overview_dsp.public import counted, short
@@ -313,8 +305,8 @@ class FeelReport(Report):
         for stroke in self.strokes:
             if count := sum(kind.merged for kind in stroke.kinds):
                 yield (
-                    f"{count} events are within {1000.0 * MERGED_S:.0f} ms of another in "
-                    f"{stroke.name} and are felt as one with it: zoom in, or move more slowly"
+                    f"{count} events are within {1000.0 * perception.MERGED_S:.0f} ms of another "
+                    f"in {stroke.name} and are felt as one with it: zoom in, or move more slowly"
                 )
             missed = [f"{one.missed} {one.kind}" for one in stroke.kinds if one.missed]
             if missed:
@@ -449,7 +441,7 @@ def _stroke(
             if first.passed and second.passed and (distance := jnd_distance(first, second)) < 1.0
         ),
         tuple(
-            (first.kind, second.kind, (first.level_db - second.level_db) / JND_DB)
+            (first.kind, second.kind, (first.level_db - second.level_db) / perception.JND_DB)
             for first, second in itertools.pairwise(kinds)
             if ordered
         ),
@@ -465,10 +457,10 @@ def _median(values: Any) -> float:
 def _stroke_features(one: FeltEvents) -> tuple[float, float, float]:
     """Return level (dB), sharpness (N m/s) and density (per second) of a stroke."""
     end = int(1e3 * one.arrived_s) - HALF_WINDOW_MS
-    level = one.level[HALF_WINDOW_MS : end : round(PULSE_HOP_S * 1e3)]
+    level = one.level[HALF_WINDOW_MS : end : round(perception.PULSE_HOP_S * 1e3)]
     if not len(level):
         return math.nan, one.slope, 0.0
-    return float(np.median(level)), one.slope, len(pulse_indices(level)) / one.arrived_s
+    return float(np.median(level)), one.slope, len(perception.pulse_indices(level)) / one.arrived_s
 
 
 def jnd_distance(first: KindFeel, second: KindFeel) -> float:
@@ -494,9 +486,9 @@ def jnd_distance(first: KindFeel, second: KindFeel) -> float:
     for kind in (first, second):
         validation.instance(kind, KindFeel, "a kind", "the strokes of a feel report have them")
     steps = [
-        abs(first.level_db - second.level_db) / JND_DB,
-        ratio_jnds(first.sharpness, second.sharpness, JND_SHARPNESS),
-        ratio_jnds(first.duration_ms, second.duration_ms, JND_DURATION),
+        abs(first.level_db - second.level_db) / perception.JND_DB,
+        perception.ratio_jnds(first.sharpness, second.sharpness, perception.JND_SHARPNESS),
+        perception.ratio_jnds(first.duration_ms, second.duration_ms, perception.JND_DURATION),
     ]
     return max((step for step in steps if math.isfinite(step)), default=0.0)
 
@@ -529,10 +521,12 @@ def character_distance(first: FeelReport, second: FeelReport) -> float:
     return jnds_over_strokes(
         {
             one.name: (
-                abs(one.level_db - other.level_db) / JND_DB,
-                ratio_jnds(one.sharpness, other.sharpness, JND_SHARPNESS),
+                abs(one.level_db - other.level_db) / perception.JND_DB,
+                perception.ratio_jnds(one.sharpness, other.sharpness, perception.JND_SHARPNESS),
                 # one pulse per second is the lowest density that is a rhythm
-                ratio_jnds(one.density_hz + 1.0, other.density_hz + 1.0, JND_DURATION),
+                perception.ratio_jnds(
+                    one.density_hz + 1.0, other.density_hz + 1.0, perception.JND_DURATION
+                ),
             )
             for one, other in zip(first.strokes, second.strokes, strict=True)
         }

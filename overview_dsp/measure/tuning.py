@@ -30,7 +30,7 @@ from overview_dsp.design.presets.model import Preset
 from overview_dsp.design.presets.parameters import KIND_PARAMETERS
 from overview_dsp.errors import InputError, did_you_mean
 from overview_dsp.measure.event_table import FeltEvents, felt_events
-from overview_dsp.measure.perceived_level import JND_DB, MERGED_S
+from overview_dsp.measure.perception import JND_DB, MERGED_S
 from overview_dsp.measure.pictures import SECONDS_EACH, pages
 from overview_dsp.measure.report import KindFeel, feel_report, jnd_distance
 from overview_dsp.signal.actuators.model import pacinian_db

@@ -14,7 +14,7 @@ from overview_dsp.design.presets.library import preset_path
 from overview_dsp.kernels import layout
 from overview_dsp.live.session import commands
 from overview_dsp.live.takes.takes import timeline_path
-from overview_dsp.measure.perceived_level import TOUCH_FLOOR_DB, levels, touch_pulses
+from overview_dsp.measure.perception import TOUCH_FLOOR_DB, levels, touch_pulses
 from overview_dsp.signal.engine import engine as engine_module
 from overview_dsp.units import FELT_WINDOW_S
 from tests.live.stepped_session import RATE, Session, event

@@ -17,13 +17,7 @@ import numpy as np
 from overview_dsp.arrays import FloatArray, IntArray, SampleArray
 from overview_dsp.files.toml import load_toml
 from overview_dsp.kernels.layout import CLICK, TACTOR
-from overview_dsp.measure.perceived_level import (
-    MIN_PULSE_GAP_MS,
-    TOUCH_FLOOR_DB,
-    find_pulses,
-    levels,
-    touch_pulses,
-)
+from overview_dsp.measure import perception
 from overview_dsp.units import FELT_WINDOW_S
 
 Modality = Literal["touch", "sound", "both"]
@@ -63,13 +57,15 @@ def stroke_features(
     `samples` (frames, 2) are click and tactor. `pace` (milliseconds,), the logarithm of the pace,
     adds a feature.
     """
-    level = levels(samples[:, TACTOR], sample_rate, FELT_WINDOW_S, TOUCH_FLOOR_DB)
-    touched = touch_pulses(level)
+    level = perception.levels(
+        samples[:, TACTOR], sample_rate, FELT_WINDOW_S, perception.TOUCH_FLOOR_DB
+    )
+    touched = perception.touch_pulses(level)
     found: dict[Modality, StrokeFeatures] = {}
     click, audible = np.zeros(0), np.zeros(0, np.int64)
     if any(modality != "touch" for modality in modalities):
-        click = levels(samples[:, CLICK], sample_rate, SOUND_WINDOW_S, SOUND_FLOOR_DB)
-        audible = find_pulses(click, SOUND_PROMINENCE_DB, SOUND_FLOOR_DB + 6.0)
+        click = perception.levels(samples[:, CLICK], sample_rate, SOUND_WINDOW_S, SOUND_FLOOR_DB)
+        audible = perception.find_pulses(click, SOUND_PROMINENCE_DB, SOUND_FLOOR_DB + 6.0)
     for modality in modalities:
         at = touched if modality == "touch" else audible
         if modality == "both":
@@ -117,8 +113,8 @@ def _touch_columns(level: FloatArray, at: IntArray, pulses: IntArray) -> FloatAr
     earlier[:, -1] = True
     duration = later.argmax(axis=1) + earlier.argmax(axis=1)
 
-    first = np.searchsorted(pulses, top + MIN_PULSE_GAP_MS)
-    last = np.searchsorted(pulses, top - MIN_PULSE_GAP_MS, side="right") - 1
+    first = np.searchsorted(pulses, top + perception.MIN_PULSE_GAP_MS)
+    last = np.searchsorted(pulses, top - perception.MIN_PULSE_GAP_MS, side="right") - 1
     count = np.searchsorted(pulses, top + RHYTHM_MS, side="right") - first
     far = 10 * RHYTHM_MS + len(level)
     marks = np.concatenate([[-far], pulses, [far]])

@@ -26,7 +26,8 @@ from overview_dsp.design.gestures import Gesture, arm, sweep, tap
 from overview_dsp.design.gestures.scripts import CONTROL_RATE
 from overview_dsp.design.presets.model import Preset
 from overview_dsp.measure.observer.features import Modality, StrokeFeatures, stroke_features
-from overview_dsp.measure.perceived_level import AFTER_MS, BEFORE_MS, TRAILING_S, passages, strokes
+from overview_dsp.measure.perceived_level import passages, strokes
+from overview_dsp.measure.perception import AFTER_MS, BEFORE_MS, TRAILING_S
 from overview_dsp.offline.rendering.many import RenderedJob, RenderJob, render_many
 from overview_dsp.offline.rendering.schedule import Tail
 from overview_dsp.offline.rendering.trace import Trace

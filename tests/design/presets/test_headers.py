@@ -15,7 +15,7 @@ import pytest
 
 import overview_dsp as ov
 from overview_dsp.design.presets import library
-from overview_dsp.measure.perceived_level import JND_DB
+from overview_dsp.measure.perception import JND_DB
 from tests.feel.curves import steps_of
 
 FOLDER = library.LIBRARY.bundled_folder

@@ -9,9 +9,9 @@ from overview_dsp.measure.observer.features import (
     SOUND_FEATURES,
     TOUCH_FEATURES,
     stroke_features,
-    touch_pulses,
 )
 from overview_dsp.measure.observer.observing import add_sensory_noise
+from overview_dsp.measure.perception import touch_pulses
 
 RATE = 16_000
 SECONDS = 1.5

@@ -12,7 +12,8 @@ from hypothesis import strategies as st
 import overview_dsp as ov
 from overview_dsp.design.presets.library import bundled_presets
 from overview_dsp.kernels.layout import CELLS
-from overview_dsp.measure.perceived_level import JND_DB, stroke_feel, strokes, window_db
+from overview_dsp.measure.perceived_level import stroke_feel, strokes, window_db
+from overview_dsp.measure.perception import JND_DB
 from overview_dsp.offline.plots.paper import plot_strokes
 from overview_dsp.offline.plots.timeline import plot_timeline
 from overview_dsp.signal.surface.patterns import GROOVE, MIN_GAP_CELLS, ribs
