@@ -124,3 +124,16 @@ def heart_timeline(
     if timeline.intensity is not None:
         timeline = replace(timeline, rules=rules_of(timeline.intensity, False, timeline))
     return timeline if signal is None else replace(timeline, signal=recorded(signal))
+
+
+def detected_timeline(
+    description: Description,
+    detection: Detection,
+    signal: Signal,
+    others: Sequence[Event],
+    options: LoadOptions,
+) -> Timeline:
+    """Return the Timeline of the beats that were found in a signal; errors as `heart_timeline`."""
+    beats, rate = beats_of(detection, signal.rate), signal.rate
+    gaps = find_gaps(detection.silent, detection.noisy, rate, description.duration_s)
+    return heart_timeline(description, beats, gaps, others, options, signal)

@@ -13,13 +13,7 @@ import numpy as np
 
 from overview_dsp.data.analysis.heart_signal import Samples
 from overview_dsp.data.analysis.heartbeats import find_beats
-from overview_dsp.data.readers.cardiac.build import (
-    MAPS,
-    Description,
-    beats_of,
-    find_gaps,
-    heart_timeline,
-)
+from overview_dsp.data.readers.cardiac.build import MAPS, Description, detected_timeline
 from overview_dsp.data.readers.cardiac.wfdb_signal import best_signal, index_of, is_heart
 from overview_dsp.data.readers.data_file import DataFile, LoadOptions
 from overview_dsp.data.readers.events.timeline_builder import DEFAULT_KIND, kind_of
@@ -71,9 +65,8 @@ def read(source: DataFile, options: LoadOptions) -> Timeline:
             beats = find_beats(heart, None, options.report_progress)
             duration_s = heart.length / rate
             origin = f"EDF signal {name} at {rate:g} Hz; {beats.what}; beats found in it"
-            gaps = find_gaps(beats.silent, beats.noisy, rate, duration_s)
             description = Description(source.stem, duration_s, origin, ())
-            return heart_timeline(description, beats_of(beats, rate), gaps, events, options, heart)
+            return detected_timeline(description, beats, heart, events, options)
         header = f"{name} ({unit})" if unit else name
         table = replace(array_table([header], [values]), kind="sampled EDF")
         timeline = series_timeline(table, replace(options, value=None, rate=rate), source.stem)

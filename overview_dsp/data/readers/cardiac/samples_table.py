@@ -27,14 +27,7 @@ from overview_dsp import validation
 from overview_dsp.arrays import FloatArray
 from overview_dsp.data.analysis.heart_signal import Samples
 from overview_dsp.data.analysis.heartbeats import MIN_RATE, find_beats
-from overview_dsp.data.readers.cardiac.build import (
-    MAPS,
-    Description,
-    beats_of,
-    check_map,
-    find_gaps,
-    heart_timeline,
-)
+from overview_dsp.data.readers.cardiac.build import MAPS, Description, check_map, detected_timeline
 from overview_dsp.data.readers.cardiac.wfdb_signal import best_signal, index_of
 from overview_dsp.data.readers.data_file import MAX_TEXT_BYTES, DataFile, LoadOptions
 from overview_dsp.data.readers.tables.cells import TOKENS, choose_decimal_mark, parse
@@ -203,9 +196,7 @@ def read(source: DataFile, options: LoadOptions) -> Timeline:
                 notes = (*notes, f"{detection.lost} single samples are missing")
             found = f"{detection.what}, {signal.name} at {rate:.6g} Hz; beats found in it"
             description = Description(source.stem, duration_s, found + origin, notes, start)
-            gaps = find_gaps(detection.silent, detection.noisy, rate, duration_s)
-            beats = beats_of(detection, rate)
-            return heart_timeline(description, beats, gaps, (), options, signal)
+            return detected_timeline(description, detection, signal, (), options)
         except InputError as error:
             if layout.heart_columns():
                 raise

@@ -19,13 +19,7 @@ from overview_dsp import validation
 from overview_dsp.data.analysis.heartbeats import find_beats, silent_parts
 from overview_dsp.data.analysis.rhythm import BEATS, OTHERS, Beats
 from overview_dsp.data.analysis.runs import Spans
-from overview_dsp.data.readers.cardiac.build import (
-    Description,
-    beats_of,
-    check_map,
-    find_gaps,
-    heart_timeline,
-)
+from overview_dsp.data.readers.cardiac import build
 from overview_dsp.data.readers.cardiac.wfdb_header import Header, looks_like_header, read_header
 from overview_dsp.data.readers.cardiac.wfdb_signal import JoinedSignal, RecordSignal, signal_of
 from overview_dsp.data.readers.data_file import DataFile, LoadOptions, printable_path
@@ -58,7 +52,7 @@ def read(source: DataFile, options: LoadOptions) -> Timeline:
     heartbeats, or wfdb is not installed.
     """
     with validation.prefix_errors(f"{source.where}: "):
-        check_map(options)
+        build.check_map(options)
     is_header = source.head_text is not None
     path = source.path if is_header else _header_of(source.path)
     assert path is not None  # sniffed
@@ -104,14 +98,16 @@ def _timeline(
         else:
             detection = find_beats(signal, None, options.report_progress)
             silent, noisy, lost = detection.silent, detection.noisy, detection.lost
-            beats = beats_of(detection, signal.rate)
+            beats = build.beats_of(detection, signal.rate)
             origin = f"beats found in {signal.name} ({detection.what})"
-        gaps = find_gaps(silent, noisy, signal.rate, duration_s)
+        gaps = build.find_gaps(silent, noisy, signal.rate, duration_s)
         if lost:
             notes = (*notes, f"{lost} single samples of {signal.name} are missing")
-    description = Description(header.name, duration_s, f"{record}; {origin}", notes, header.start)
+    description = build.Description(
+        header.name, duration_s, f"{record}; {origin}", notes, header.start
+    )
     others = annotations.others if annotations else ()
-    return heart_timeline(description, beats, gaps, others, options, signal)
+    return build.heart_timeline(description, beats, gaps, others, options, signal)
 
 
 def _header_of(path: Path) -> Path | None:
