@@ -9,18 +9,12 @@ from typing import TYPE_CHECKING, Any
 import click
 
 import overview_dsp as ov
+from overview_dsp.cli import render
 from overview_dsp.cli.common import announce_compile, print_json, progress_bar, read_gesture, show
 from overview_dsp.cli.live_session import SEED
 from overview_dsp.cli.options.declaring import JSON, argument, cli_command, option, refuse_options
 from overview_dsp.cli.options.output import ACTUATOR, drive_line, load_calibrated
 from overview_dsp.cli.options.reading import PRESET_OPTION, Reading, Window, open_window, preset_for
-from overview_dsp.cli.render import (
-    GESTURE,
-    TAIL,
-    TRANSCRIPT,
-    require_transcripts,
-    write_transcripts,
-)
 from overview_dsp.errors import InputError
 from overview_dsp.files.atomic import require_writable
 
@@ -52,17 +46,17 @@ def command(
     timelines: tuple[str, ...] = argument(metavar="TIMELINE...", required=True),
     *,
     preset: str | None = PRESET_OPTION,
-    gesture: str = GESTURE,
+    gesture: str = render.GESTURE,
     formats: tuple[str, ...] = option(
         "--to", required=True, type=click.Choice((*FORMAT_NAMES, SITE, SOURCE, BOARD))
     ),
     output: str | None = option(),
     points_per_second: float = option(default=50.0, type=click.FloatRange(1.0, 1000.0)),
-    tail: str = TAIL,
+    tail: str = render.TAIL,
     seed: int = SEED,
     zoom_levels: int | None = option(type=click.IntRange(0, 5)),
     base_url: str | None = option(),
-    transcripts: tuple[str, ...] = TRANSCRIPT,
+    transcripts: tuple[str, ...] = render.TRANSCRIPT,
     actuator: str | None = ACTUATOR,
     as_json: bool = JSON,
     reading: Reading,
@@ -113,7 +107,7 @@ def command(
     paths = {to: _output_path(output, to, len(set(formats)) > 1) for to in formats}
     for path in paths.values():
         require_writable(path)
-    require_transcripts(transcripts)
+    render.require_transcripts(transcripts)
     announce_compile(*(("drive_block",) if driven else ()))
     with progress_bar("rendering") as progress:
         result = ov.render(data, chosen, movement, seed=seed, tail=chosen_tail, actuator=driven)
@@ -132,7 +126,7 @@ def command(
         else:
             report["actuator"] = protection_json(driven, result.protected)
         reports.append(report)
-    log = write_transcripts(transcripts, passed_events(result.strikes, data), as_json)
+    log = render.write_transcripts(transcripts, passed_events(result.strikes, data), as_json)
     if as_json:
         print_json([*reports, log] if log else reports)
         return

@@ -18,13 +18,7 @@ from overview_dsp.signal.actuators.model import Actuator
 from overview_dsp.signal.surface.base_surface import rank_step
 from overview_dsp.signal.surface.build import build_surface
 from overview_dsp.signal.surface.model import Surface
-from overview_dsp.web.site_data import (
-    fits_one_file,
-    points_json,
-    site_windows,
-    timeline_json,
-    window_json,
-)
+from overview_dsp.web import site_data
 from overview_dsp.web.sound_data import make_patch, pack, whole_bytes, window_bytes
 
 RATES = (48_000, 44_100)
@@ -55,7 +49,7 @@ class SiteContent:
         live: dict[str, Any] | None = None,
     ) -> None:
         self.preset = preset
-        self.parts = site_windows(timeline, levels)
+        self.parts = site_data.site_windows(timeline, levels)
         self.timeline = timeline
         self._seed = seed
         self._actuator = actuator
@@ -66,7 +60,7 @@ class SiteContent:
         self._sound = lru_cache(maxsize=1)(lambda i: self._at_rate(i, RATES[0]))
         for i in range(len(self.parts)):
             self.files[f"data/window-{i}.json"] = partial(self._window, i)
-            if has_values(timeline) and (i == 0 or not fits_one_file(timeline)):
+            if has_values(timeline) and (i == 0 or not site_data.fits_one_file(timeline)):
                 self.files[f"data/points-{i}.json"] = partial(self._points, i)
             if i == 0:
                 self._add_sound("0", -1)
@@ -83,16 +77,16 @@ class SiteContent:
             self.files[f"sound/{name}-{rate}.patch"] = partial(self._patch, i, rate)
 
     def _timeline_file(self) -> bytes:
-        content = timeline_json(self.timeline, self.preset, self.parts, RATES)
+        content = site_data.timeline_json(self.timeline, self.preset, self.parts, RATES)
         return compact_json({**content, "server": self._server, "live": self._live})
 
     def _window(self, i: int) -> bytes:
         timeline, surface = self._surface(i)
-        return compact_json(window_json(timeline, surface, self.parts[i].start_s))
+        return compact_json(site_data.window_json(timeline, surface, self.parts[i].start_s))
 
     def _points(self, i: int) -> bytes:
         part = self.parts[i]
-        return compact_json(points_json(self.timeline, part.start_s, part.end_s))
+        return compact_json(site_data.points_json(self.timeline, part.start_s, part.end_s))
 
     def _build(self, i: int) -> tuple[Timeline, Surface]:
         part = self.parts[i]

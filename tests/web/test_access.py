@@ -394,7 +394,7 @@ def test_connections_with_a_started_request_are_not_replaced(fresh):
 
 
 def test_an_internal_error_is_reported_to_the_server_only(fresh, monkeypatch):
-    monkeypatch.setattr("overview_dsp.web.site_content.timeline_json", lambda *given: 1 / 0)
+    monkeypatch.setattr("overview_dsp.web.site_data.timeline_json", lambda *given: 1 / 0)
     with fresh.client() as client:
         answer = client.get(DATA)
     assert answer.status_code == 500

@@ -42,18 +42,13 @@ def calibrate(
     Hold the actuator as in use. A tone rises; press Enter as soon as you feel it. --actuator NAME
     then applies the gain, so that presets are as far above your threshold as intended.
     """
-    from overview_dsp.signal.actuators.calibration import (
-        calibration_file,
-        forget_threshold,
-        gain_for,
-        save_threshold,
-    )
+    from overview_dsp.signal.actuators import calibration
 
     actuator = ov.load_actuator(name)
     if reset_threshold:
         if threshold is not None:
             raise InputError("--threshold and --reset-threshold exclude each other; remove one")
-        known = forget_threshold(actuator)
+        known = calibration.forget_threshold(actuator)
         click.echo(f"{actuator.name}: {'threshold removed' if known else 'was not calibrated'}")
         return
     levels = []
@@ -66,18 +61,18 @@ def calibrate(
                 "quiet place, and hold the actuator the same way"
             )
     threshold = round(threshold, 2)
-    save_threshold(actuator, threshold)
-    gain = gain_for(threshold)
+    calibration.save_threshold(actuator, threshold)
+    gain = calibration.gain_for(threshold)
     report = {
         "actuator": actuator.name,
         "threshold_db": threshold,
         "gain_db": gain,
         "levels_db": [round(level, 2) for level in levels],
-        "file": str(calibration_file()),
+        "file": str(calibration.calibration_file()),
     }
     line = (
         f"{actuator.name}: threshold {threshold:.1f} dB of its nominal drive, gain "
-        f"{gain:+.1f} dB, saved in {calibration_file()}"
+        f"{gain:+.1f} dB, saved in {calibration.calibration_file()}"
     )
     show(as_json, report, line)
 

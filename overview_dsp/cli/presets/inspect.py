@@ -24,36 +24,29 @@ def list_(
     as_json: bool = JSON,
 ) -> None:
     """List the bundled presets and yours, with their purpose."""
-    from overview_dsp.design.presets.library import (
-        LIBRARY,
-        check_tag,
-        has_tag,
-        is_for_use,
-        load_preset,
-        preset_path,
-    )
+    from overview_dsp.design.presets import library
 
     for tag in tags:
-        check_tag(tag)
+        library.check_tag(tag)
 
     def matches(name: str) -> bool:
-        preset = load_preset(name)
-        return all(has_tag(preset, tag) for tag in tags) and (
-            use is None or is_for_use(preset, use)
+        preset = library.load_preset(name)
+        return all(library.has_tag(preset, tag) for tag in tags) and (
+            use is None or library.is_for_use(preset, use)
         )
 
-    names = [*LIBRARY.bundled, *LIBRARY.user]
+    names = [*library.LIBRARY.bundled, *library.LIBRARY.user]
     if tags or use is not None:
         names = [name for name in names if matches(name)]
     list_profiles(
         names,
-        load_preset,
+        library.load_preset,
         lambda preset: {
             "name": preset.name,
             "title": preset.title,
             "description": preset.description,
             "tags": vars(preset.tags),
-            "file": str(preset_path(preset.name)),
+            "file": str(library.preset_path(preset.name)),
         },
         as_json,
     )

@@ -14,23 +14,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from overview_dsp.arrays import BoolArray, FloatArray, IntArray
-from overview_dsp.data.analysis.beat_quality import (
-    LIMIT,
-    STRICT_LIMIT,
-    ecg_doubt,
-    is_ecg,
-    pulse_doubt,
-    pulse_likeness,
-)
+from overview_dsp.data.analysis import beat_quality, qrs
 from overview_dsp.data.analysis.heart_signal import Signal, SilenceFinder
 from overview_dsp.data.analysis.other_shapes import find_other_shapes
-from overview_dsp.data.analysis.qrs import (
-    REFRACTORY_S,
-    band_passed,
-    decimated,
-    find_qrs,
-    noise_height,
-)
 from overview_dsp.data.analysis.runs import Spans, merged, runs
 
 BLOCK_S = 300.0
@@ -88,8 +74,8 @@ def find_beats(
     finder = SilenceFinder(signal.rate)
     block, margin = round(BLOCK_S * signal.rate), round(MARGIN_S * signal.rate)
     found: list[tuple[int, bool, bool]] = []
-    doubtful: dict[float, Spans] = {LIMIT: [], STRICT_LIMIT: []}
-    near = REFRACTORY_S * signal.rate
+    doubtful: dict[float, Spans] = {beat_quality.LIMIT: [], beat_quality.STRICT_LIMIT: []}
+    near = qrs.REFRACTORY_S * signal.rate
     for first in range(0, signal.length, block):
         end = min(first + block, signal.length)
         low, high = max(0, first - margin), min(end + margin, signal.length)
@@ -110,7 +96,7 @@ def find_beats(
                     found.append((at, other, hidden))
         progress(end / signal.length)
     noisy: Spans = []
-    for limit in (LIMIT, STRICT_LIMIT) if gaps else ():
+    for limit in (beat_quality.LIMIT, beat_quality.STRICT_LIMIT) if gaps else ():
         found_noise = merged(doubtful[limit], _LEAST_CLEAN_S * signal.rate)
         least = _LEAST_NOISY_S * signal.rate
         noisy = [(begin, stop) for begin, stop in found_noise if stop - begin >= least]
@@ -135,11 +121,11 @@ def find_beats(
 
 def _kind(part: FloatArray, rate: float) -> str | None:
     """Return `ECG` or `pulse wave`; None if a part has no beats that can be trusted."""
-    signal, work_rate, _ = decimated(part, rate)
-    band = band_passed(part, rate, 0.5, 8.0)
-    _, alike = pulse_likeness(band, _pulses(band, rate), rate)
+    signal, work_rate, _ = qrs.decimated(part, rate)
+    band = qrs.band_passed(part, rate, 0.5, 8.0)
+    _, alike = beat_quality.pulse_likeness(band, _pulses(band, rate), rate)
     likeness = float(np.median(alike)) if len(alike) > 2 else 0.0
-    if is_ecg(signal, find_qrs(signal, work_rate), work_rate, likeness):
+    if beat_quality.is_ecg(signal, qrs.find_qrs(signal, work_rate), work_rate, likeness):
         return "ECG"
     doubt = _Part(part, rate, "pulse wave").doubt
     return "pulse wave" if (doubt < 0.0).any() else None
@@ -153,8 +139,8 @@ class _Part:
         self._fewer = 1
         self._other = self._hidden = np.zeros(0, np.bool_)
         if what == "ECG":
-            signal, work_rate, self._fewer = decimated(part, rate)
-            search = find_qrs(signal, work_rate)
+            signal, work_rate, self._fewer = qrs.decimated(part, rate)
+            search = qrs.find_qrs(signal, work_rate)
             added, differs, size = find_other_shapes(signal, search.beats, work_rate)
             self._beats = np.concatenate([search.beats, added])
             self._other = np.concatenate([differs, np.ones(len(added), np.bool_)])
@@ -162,14 +148,14 @@ class _Part:
             self._beats, self._other = self._beats[order], self._other[order]
             noise = search.noise
             if self._other.any():
-                noise = noise_height(search.height, self._beats, work_rate)
-            self.doubt = ecg_doubt(search, noise, self._beats[self._other], work_rate)
+                noise = qrs.noise_height(search.height, self._beats, work_rate)
+            self.doubt = beat_quality.ecg_doubt(search, noise, self._beats[self._other], work_rate)
             self._hidden = _hidden(size, self._beats, work_rate)
         elif what == "pulse wave":
-            band = band_passed(part, rate, 0.5, 8.0)
+            band = qrs.band_passed(part, rate, 0.5, 8.0)
             self._beats = _pulses(band, rate)
             self._other = self._hidden = np.zeros(len(self._beats), np.bool_)
-            self.doubt = pulse_doubt(band, self._beats, rate)
+            self.doubt = beat_quality.pulse_doubt(band, self._beats, rate)
         else:
             self._beats = np.zeros(0, np.int64)
             self.doubt = np.full(1, np.inf)

@@ -7,14 +7,7 @@ from numpy.typing import ArrayLike
 
 from overview_dsp import validation
 from overview_dsp.arrays import FloatArray
-from overview_dsp.data.timeline.curve_points import (
-    MAX_VALUE,
-    Points,
-    RegularTimes,
-    Times,
-    require_increasing,
-    require_values,
-)
+from overview_dsp.data.timeline import curve_points
 from overview_dsp.data.timeline.gaps import Gaps
 from overview_dsp.data.timeline.growable_array import Store
 from overview_dsp.data.timeline.intensity import EXTREMES, Intensity
@@ -103,7 +96,7 @@ class CurveBuilder:
                 self._leading += len(chunk)
                 return
             self._known = float(chunk[int(np.argmin(missing))])
-            require_values(np.array([self._known]), first + int(np.argmin(missing)))
+            curve_points.require_values(np.array([self._known]), first + int(np.argmin(missing)))
             waiting, self._leading = self._leading, 0
             while waiting:  # leading missing values become the first known value
                 some = min(waiting, CHUNK)
@@ -112,7 +105,7 @@ class CurveBuilder:
         if missing.any():  # missing values become the last known value
             held = np.maximum.accumulate(np.where(missing, -1, np.arange(len(chunk))))
             chunk = np.where(held < 0, self._known, chunk[np.maximum(held, 0)])
-        require_values(chunk, first)
+        curve_points.require_values(chunk, first)
         if len(chunk):
             self._known = float(chunk[-1])
             self._put(chunk)
@@ -122,7 +115,7 @@ class CurveBuilder:
         if self._dtype is np.float32 and np.abs(chunk).max(initial=0.0) > largest:
             raise InputError(
                 f"values reach beyond {largest:.3g}, the largest of float32; keep them as float64 "
-                f"(to {MAX_VALUE:g})"
+                f"(to {curve_points.MAX_VALUE:g})"
             )
         kept: Values = chunk.astype(self._dtype)
         self._values.append(kept)
@@ -149,7 +142,7 @@ class CurveBuilder:
                 f"intensity.time_s[{self.count + i}] is {float(times[i])!r}, not a finite number; "
                 f"{validation.TIME_HINT}"
             )
-        require_increasing(times, self.count, self._last_s)
+        curve_points.require_increasing(times, self.count, self._last_s)
         if count:
             self._last_s = float(times[-1])
             self._times.append(times)
@@ -198,11 +191,11 @@ class CurveBuilder:
             raise InputError("give the times with the values, or the step between them, not both")
         value = self._values.finish()
         if self._times is not None:
-            time_s: Times = self._times.finish()
+            time_s: curve_points.Times = self._times.finish()
         else:
             assert step_s is not None
-            time_s = RegularTimes(len(value), step_s, first_s)
-        points = Points(time_s, value)
+            time_s = curve_points.RegularTimes(len(value), step_s, first_s)
+        points = curve_points.Points(time_s, value)
         points.__dict__["levels"] = self._pyramid.finish()
         self._built = Intensity.checked(points, unit, percentiles)
         return self._built

@@ -16,16 +16,8 @@ from overview_dsp.design.presets.parameter import Parameter, Value, read_paramet
 from overview_dsp.devices.sensors.lines import WORD
 from overview_dsp.devices.sensors.reading import COLUMNS, SKIPPED
 from overview_dsp.errors import InputError, did_you_mean, quoted
+from overview_dsp.files import toml
 from overview_dsp.files.library import Library
-from overview_dsp.files.toml import (
-    TEXTS,
-    check_head,
-    faults_at_their_line,
-    parse_toml,
-    read_text,
-    sections_of,
-    values_in,
-)
 
 DETECT = "auto"  # value of a key whose setting is detected from the data
 MOTOR_COLUMNS = ("motor_target", "shaft_rad")  # columns that a motor reports
@@ -139,20 +131,20 @@ _SCHEMA_1_DETECT = "told"
 def load_sensor(name: str | Path) -> Sensor:
     """Return a sensor by a bundled name (`potentiometer`) or a TOML file; InputError."""
     path = LIBRARY.path(name)
-    return parse_sensor(read_text(path), path.stem, str(path))
+    return parse_sensor(toml.read_text(path), path.stem, str(path))
 
 
 def parse_sensor(text: str, name: str, source: str) -> Sensor:
     """Return a sensor from a file's text; InputError as `load_sensor`."""
-    data = _migrated(parse_toml(text, source))
-    with faults_at_their_line(text, source):
-        check_head(data, sections_of(SENSOR_PARAMETERS), SCHEMA, needs_texts=False)
-        values = values_in(data, (*SENSOR_PARAMETERS, _COLUMNS))
+    data = _migrated(toml.parse_toml(text, source))
+    with toml.faults_at_their_line(text, source):
+        toml.check_head(data, toml.sections_of(SENSOR_PARAMETERS), SCHEMA, needs_texts=False)
+        values = toml.values_in(data, (*SENSOR_PARAMETERS, _COLUMNS))
         columns = values.pop(_COLUMNS) if _COLUMNS in values else None
         is_list = isinstance(columns, list) and columns
         if columns is not None and not (is_list and all(isinstance(one, str) for one in columns)):
             raise InputError(f'{_COLUMNS} = {quoted(columns)} must be a list of names: ["ax", …]')
-        title, description = (data.get(key, "") for key in TEXTS)
+        title, description = (data.get(key, "") for key in toml.TEXTS)
         return Sensor(name, title, description, values, tuple(columns or ()), source)
 
 

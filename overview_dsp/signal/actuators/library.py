@@ -11,15 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 from overview_dsp import validation
 from overview_dsp.errors import warn
+from overview_dsp.files import toml
 from overview_dsp.files.library import Library
-from overview_dsp.files.toml import (
-    check_head,
-    faults_at_their_line,
-    parse_toml,
-    read_text,
-    sections_of,
-    values_in,
-)
 from overview_dsp.signal.actuators.model import ACTUATOR_PARAMETERS, ONE_OF, Actuator, error_limit
 
 if TYPE_CHECKING:
@@ -32,14 +25,14 @@ _RENAMED = {"sharpen": "overdrive", "equal_sensation": "perceptual_weighting"}
 
 def parse_actuator(text: str, name: str, source: str) -> Actuator:
     """Parse the text of a profile; InputError names file, line, key and range."""
-    data = parse_toml(text, source)
-    with faults_at_their_line(text, source):
+    data = toml.parse_toml(text, source)
+    with toml.faults_at_their_line(text, source):
         if data.get("schema") == 1:
             data["schema"] = SCHEMA
             if isinstance(shaping := data.get("shaping"), dict):
                 data["shaping"] = {_RENAMED.get(key, key): value for key, value in shaping.items()}
-        check_head(data, sections_of(ACTUATOR_PARAMETERS), SCHEMA, needs_texts=True)
-        values = values_in(data, ACTUATOR_PARAMETERS)
+        toml.check_head(data, toml.sections_of(ACTUATOR_PARAMETERS), SCHEMA, needs_texts=True)
+        values = toml.values_in(data, ACTUATOR_PARAMETERS)
         return Actuator(name, data["title"], data["description"], values, source)
 
 
@@ -96,7 +89,7 @@ def load_actuator(name: str | Path) -> Actuator:
     250.0
     """
     path = LIBRARY.path(name)
-    actuator = parse_actuator(read_text(path), path.stem, str(path))
+    actuator = parse_actuator(toml.read_text(path), path.stem, str(path))
     if actuator.number("shaping.overdrive") > 1.0 and actuator.overdrive_q == actuator.q:
         warn(
             f"{path}: overdrive is off: it needs resonance.tolerance_percent of at most "
@@ -116,7 +109,7 @@ def measured_profile(actuator: Actuator, fit: ResonanceFit, recording: str) -> s
     """
     import tomlkit
 
-    document = tomlkit.parse(read_text(Path(actuator.source)))
+    document = tomlkit.parse(toml.read_text(Path(actuator.source)))
     resonance: Any = document["resonance"]
     for id in ONE_OF:
         resonance.pop(id.rpartition(".")[2], None)

@@ -30,13 +30,7 @@ from overview_dsp.kernels.device.router import MAX_TACTORS
 from overview_dsp.kernels.noise import seed_state
 from overview_dsp.kernels.smoother import latency
 from overview_dsp.public import short
-from overview_dsp.signal.engine.coefficients import (
-    announce_compile,
-    changes,
-    check_carrier,
-    store_requested,
-    write_parameters,
-)
+from overview_dsp.signal.engine import coefficients
 from overview_dsp.signal.engine.memory_reader import (
     APPLIED_EVENT,
     EngineParameter,
@@ -161,12 +155,12 @@ class Engine:
             raise InputError(
                 f"sample_rate is {rate:g} Hz; must be {MIN_SAMPLE_RATE:g} to {MAX_SAMPLE_RATE:g} Hz"
             )
-        check_carrier(self._preset, rate)
+        coefficients.check_carrier(self._preset, rate)
         if validation.whole(max_block_size, "max_block_size") < 1:
             raise InputError(f"max_block_size is {max_block_size}; must be at least 1 frame")
         if memory is not None:
             _require_table(memory, (layout.TOTAL,), "memory")
-        announce_compile("process")
+        coefficients.announce_compile("process")
         self._sample_rate = rate
         self._max_block_size = int(max_block_size)
         self._f64 = np.zeros(layout.TOTAL) if memory is None else memory
@@ -214,7 +208,7 @@ class Engine:
         'plain'
         """
         self._require_prepared()
-        check_carrier(preset, self._sample_rate)
+        coefficients.check_carrier(preset, self._sample_rate)
         built = build_surface(timeline, preset) if surface is None else surface
         self._preset, self._timeline, self._seed, self._surface = preset, timeline, seed, built
         self._u64[layout.S_SEED] = seed_state(seed)
@@ -237,7 +231,7 @@ class Engine:
         0
         """
         self._require_prepared()
-        write_parameters(self._f64, self._preset)
+        coefficients.write_parameters(self._f64, self._preset)
         derive(self._f64, self._i64)
         self._i64[layout.ACTIVE_SLOT] = 0
         if self._slot_surfaces[0] is not self._surface:
@@ -556,9 +550,9 @@ class Engine:
         """Apply a preset and a surface at one sample; on an error change nothing."""
         timeline = self._timeline if timeline is None else timeline
         if self._sample_rate:
-            check_carrier(preset, self._sample_rate)
+            coefficients.check_carrier(preset, self._sample_rate)
             stamp = stamp_of(sample_time)
-            changed = changes(self._preset, preset, self._sample_rate)
+            changed = coefficients.changes(self._preset, preset, self._sample_rate)
             self._queues.require_capacity(len(changed) + 1)
             if surface is not None:
                 slot = self._queues.free_slot()
@@ -568,7 +562,7 @@ class Engine:
             with self._queues.no_new_events() if only_untouched else nullcontext():
                 if only_untouched and self._queues.touched:
                     raise OverviewError("an input touches the disk; change the timeline later")
-                store_requested(self._f64, preset, changed)
+                coefficients.store_requested(self._f64, preset, changed)
                 number = self._queues.push(changed, stamp) if changed else 0
             if changed:
                 self._journal.append((number, note))
@@ -974,7 +968,7 @@ class Engine:
                 raise InputError(f"overview_state is {version!r}; must be 1")
             preset, seed = preset_from_dict(data), int(data["seed"])
         if self._sample_rate:
-            check_carrier(preset, self._sample_rate)
+            coefficients.check_carrier(preset, self._sample_rate)
         surface = build_surface(self._timeline, preset)
         self._preset, self._surface, self._seed = preset, surface, seed
         if self._sample_rate:

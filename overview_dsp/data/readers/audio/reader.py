@@ -19,14 +19,7 @@ from __future__ import annotations
 import numpy as np
 
 from overview_dsp.arrays import FloatArray
-from overview_dsp.data.analysis import cheers
-from overview_dsp.data.analysis.loudness import (
-    MOMENTARY_STEPS,
-    SHORT_TERM_STEPS,
-    STEPS_PER_S,
-    StepMeter,
-    Steps,
-)
+from overview_dsp.data.analysis import cheers, loudness
 from overview_dsp.data.readers.audio.channels import layout_of, weights_of
 from overview_dsp.data.readers.audio.decoding import Recording, is_recording, open_recording
 from overview_dsp.data.readers.data_file import DataFile, LoadOptions
@@ -35,8 +28,8 @@ from overview_dsp.data.timeline.model import Intensity, Timeline
 from overview_dsp.errors import InputError, quoted
 
 _CURVES = {
-    "loudness": (SHORT_TERM_STEPS, "LUFS", "short-term loudness (3 s)"),
-    "momentary": (MOMENTARY_STEPS, "LUFS", "momentary loudness (0.4 s)"),
+    "loudness": (loudness.SHORT_TERM_STEPS, "LUFS", "short-term loudness (3 s)"),
+    "momentary": (loudness.MOMENTARY_STEPS, "LUFS", "momentary loudness (0.4 s)"),
     "excitement": (None, "LU", "loudness over 1 s above the background of two minutes"),
 }
 """Window in steps (None: above the background), unit and meaning of each map."""
@@ -67,8 +60,8 @@ def read(source: DataFile, options: LoadOptions) -> Timeline:
     return timeline_of(steps, map_name, source.stem, kind, notes)
 
 
-def _measure(recording: Recording, options: LoadOptions) -> Steps:
-    meter = StepMeter(recording.sample_rate, recording.weights)
+def _measure(recording: Recording, options: LoadOptions) -> loudness.Steps:
+    meter = loudness.StepMeter(recording.sample_rate, recording.weights)
     done = 0
     for block in recording.blocks(min(meter.block_frames, recording.frames)):
         meter.feed(block)
@@ -85,7 +78,7 @@ def read_samples(samples: FloatArray, options: LoadOptions) -> Timeline:
     if not float(rate).is_integer():
         raise InputError(f"rate is {rate!r}; must be a whole number of Hz for a sound")
     layout = layout_of(channels)
-    meter = StepMeter(int(rate), weights_of(layout) if layout else (1.0,) * channels)
+    meter = loudness.StepMeter(int(rate), weights_of(layout) if layout else (1.0,) * channels)
     size = min(meter.block_frames, frames)
     for begin in range(0, frames, size):
         meter.feed(samples[begin : begin + size])
@@ -96,11 +89,11 @@ def read_samples(samples: FloatArray, options: LoadOptions) -> Timeline:
 
 
 def timeline_of(
-    steps: Steps, map_name: str, title: str, kind: str, notes: tuple[str, ...]
+    steps: loudness.Steps, map_name: str, title: str, kind: str, notes: tuple[str, ...]
 ) -> Timeline:
     """Return the timeline of a measured recording; `map_name` is one of `MAPS`."""
     duration_s = steps.frames / steps.sample_rate
-    time_s = np.append(np.arange(len(steps.energy)) / STEPS_PER_S, duration_s)
+    time_s = np.append(np.arange(len(steps.energy)) / loudness.STEPS_PER_S, duration_s)
     rate = steps.sample_rate
     gaps = tuple((first / rate, end / rate) for first, end in steps.missing)
     integrated = steps.integrated()

@@ -42,19 +42,13 @@ from typing import Any
 
 from overview_dsp import validation
 from overview_dsp.data.readers.data_file import DataFile, LoadOptions
+from overview_dsp.data.readers.football import minutes
 from overview_dsp.data.readers.football.match_timeline import (
     MatchEvent,
     contains_record,
     match_timeline,
     select_match,
     short_name,
-)
-from overview_dsp.data.readers.football.minutes import (
-    MIDDLE_S,
-    Clock,
-    Minute,
-    check_minute,
-    parse_minute,
 )
 from overview_dsp.data.timeline.model import Timeline
 from overview_dsp.errors import InputError
@@ -209,11 +203,11 @@ def _timeline(match: _Match, competition: str, default_title: str) -> Timeline:
     if final is None and not goals and match.score("ht", "i") is None:
         raise InputError("the match has neither a score nor goals; select another one")
     extra = match.score("et", "et") is not None
-    clock = Clock.from_minutes(
+    clock = minutes.Clock.from_minutes(
         [minute for _, minute, _, _ in goals],
         # in older files the result after extra time may be the only one
         extra_time=extra or any(m.added is None and m.base > 90 for _, m, _, _ in goals),
-        back_s=MIDDLE_S,
+        back_s=minutes.MIDDLE_S,
     )
     match_events = [
         MatchEvent(
@@ -252,7 +246,7 @@ def _timeline(match: _Match, competition: str, default_title: str) -> Timeline:
     )
 
 
-def _goals(match: _Match, team: int) -> Iterator[tuple[Minute, dict[str, object], str]]:
+def _goals(match: _Match, team: int) -> Iterator[tuple[minutes.Minute, dict[str, object], str]]:
     key = f"goals{team + 1}"
     listed = match.raw.get(key)
     if listed is None:
@@ -263,19 +257,19 @@ def _goals(match: _Match, team: int) -> Iterator[tuple[Minute, dict[str, object]
         yield _minute(entry, location), entry, location
 
 
-def _minute(entry: dict[str, object], location: str) -> Minute:
+def _minute(entry: dict[str, object], location: str) -> minutes.Minute:
     value, offset = entry.get("minute"), entry.get("offset")
     if isinstance(value, str):
-        minute = parse_minute(value, f"{location}.minute")
+        minute = minutes.parse_minute(value, f"{location}.minute")
     else:
         allowed = "a whole number, such as 38 or 90"
-        minute = Minute(validation.of_type(value, int, f"{location}.minute", allowed))
+        minute = minutes.Minute(validation.of_type(value, int, f"{location}.minute", allowed))
     if offset is not None and offset != 0:
         if isinstance(offset, str) and offset.strip().isascii() and offset.strip().isdigit():
             offset = int(offset.strip()[:18])
         added = validation.of_type(offset, int, f"{location}.offset", "a number of minutes")
-        minute = Minute(minute.base, added)
-    check_minute(minute.base, minute.added, location)
+        minute = minutes.Minute(minute.base, added)
+    minutes.check_minute(minute.base, minute.added, location)
     return minute
 
 
