@@ -20,6 +20,7 @@ from overview_dsp.validation import prefix_errors
 
 if TYPE_CHECKING:
     from overview_dsp.devices.controllers.learning import Learner, OscLearner
+    from overview_dsp.devices.sensors.setup import Setup
 
 Learned = TypeVar("Learned")
 
@@ -41,8 +42,6 @@ class Learning:
         load: Callable[[str], tuple[Any, ...]],
         port: Callable[[], Port],
         learner: Learner | OscLearner,
-        decode: Callable[[list[bytes], float], Any],
-        failure: Callable[[], str],
         replaced: Collection[str],
     ) -> tuple[Any, str]:
         """Return the moved control, and the text of the map file with it.
@@ -53,7 +52,7 @@ class Learning:
 
         require_writable(self.output)
         controls = load(self.output) if Path(self.output).exists() else ()
-        moved = listen(port(), lambda: learner.instruction, decode, self.timeout, failure)
+        moved: Any = listen(port(), learner, learner.control_of, self.timeout)
         found = replace(moved, low=self.low, high=self.high)
         kept = [one for one in controls if one.key != found.key and one.to not in replaced]
         return found, write_map((*kept, found))
@@ -80,23 +79,21 @@ def require_target(target: str, known: tuple[str, ...]) -> None:
 
 def listen(
     port: Port,
-    prompt: Callable[[], str],
+    learner: Learner | OscLearner | Setup,
     decode: Callable[[list[bytes], float], Learned | None],
     timeout: float,
-    failure: Callable[[], str],
 ) -> Learned:
     """Read messages of a port until `decode` returns a result; then close the port.
 
-    `prompt` returns the instruction for the user, which is printed when it changes. InputError
-    names the port: no result after `timeout` (s), with the reason of `failure`; or an error of
-    `decode`.
+    The learner's instruction for the user is printed when it changes. InputError names the port: no
+    result after `timeout` (s), with the learner's reason; or an error of `decode`.
     """
     printed = ""
     try:
         until = time.monotonic() + timeout
         while time.monotonic() < until:
-            if printed != prompt():
-                printed = prompt()
+            if printed != learner.instruction:
+                printed = learner.instruction
                 click.echo(f"{port.name}: {printed}", err=True)
             with prefix_errors(f"{port.name}: "):
                 found = decode(port.receive(WAIT_S), time.monotonic())
@@ -104,4 +101,4 @@ def listen(
                 return found
     finally:
         port.close()
-    raise InputError(f"{port.name}: {failure()} within {timeout:g} s")
+    raise InputError(f"{port.name}: {learner.failure} within {timeout:g} s")

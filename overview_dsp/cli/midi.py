@@ -3,15 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import click
 
 from overview_dsp.cli.control_learning import Learning, require_target
 from overview_dsp.cli.options.declaring import cli_command
-
-if TYPE_CHECKING:
-    from overview_dsp.devices.controllers.control_map import Control
 
 
 @click.group(name="midi", epilog="Example: overview midi learn nano theta2 -o nano.toml")
@@ -46,16 +42,7 @@ def learn(name: str, target: str, *, learning: Learning) -> None:
     wanted = replace(stand_in, to=target, low=learning.low, high=learning.high)
     parse_map(write_map((wanted,)), target)  # checks the range
     learner = Learner(target)
-
-    def decode(messages: list[bytes], now_s: float) -> Control | None:
-        return next(filter(None, map(learner.read, messages)), None)
-
-    def failure() -> str:
-        return f"no control for {target!r} was moved"
-
-    found, text = learning.learn(
-        load_map, lambda: MidiPort(name), learner, decode, failure, (target,)
-    )
+    found, text = learning.learn(load_map, lambda: MidiPort(name), learner, (target,))
     report = {"control": found.name, "channel": found.channel, "to": target}
     steps = f" by steps ({found.relative})" if found.relative else ""
     summary = f"{found.name}, channel {found.channel}, is {target}{steps}"

@@ -2,15 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import click
 
 from overview_dsp.cli.control_learning import Learning, require_target
 from overview_dsp.cli.options.declaring import cli_command
-
-if TYPE_CHECKING:
-    from overview_dsp.devices.controllers.control_map import OscControl
 
 
 @click.group(name="osc", epilog="Example: overview osc learn 0.0.0.0:9000 theta2 -o tablet.toml")
@@ -42,21 +37,8 @@ def learn(port: str, target: str, *, learning: Learning) -> None:
     to = "acceleration" if target == DEVICE else target
     parse_osc_map(write_map((OscControl("/x", to, low=learning.low, high=learning.high),)), target)
     learner = OscLearner(target)
-
-    def decode(messages: list[bytes], now_s: float) -> OscControl | None:
-        for data in messages:
-            learner.read(data, now_s)
-        return learner.found(now_s)
-
-    def failure() -> str:
-        received = f"received: {learner.received}" if learner.received else "nothing received"
-        reason = f"; {learner.explanation}" if learner.explanation else ""
-        return f"no message for {target!r} ({received}{reason})"
-
     replaced = tuple(SENSED) if target == DEVICE else (target,)
-    found, text = learning.learn(
-        load_osc_map, lambda: OscPort(port), learner, decode, failure, replaced
-    )
+    found, text = learning.learn(load_osc_map, lambda: OscPort(port), learner, replaced)
     sent = "" if target in (DEVICE, *SWITCHES) else f", {found.sends[0]:g} to {found.sends[1]:g},"
     summary = f"{found.address}{sent} is {found.to if target == DEVICE else target}"
     report = {"address": found.address, "value": found.value, "to": found.to}

@@ -50,10 +50,7 @@ def setup(
         return watched.toml() if watched.done else None
 
     opened = SerialPort(port.removeprefix("serial:"), baud)
-    write_file(
-        output,
-        listen(opened, lambda: watched.instruction, decode, timeout, lambda: watched.failure),
-    )
+    write_file(output, listen(opened, watched, decode, timeout))
     report = {"port": port.removeprefix("serial:"), "file": output}
     show(as_json, report, f"{Path(output)}: play it with --input serial:{port},sensor={output}")
 

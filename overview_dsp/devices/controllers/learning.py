@@ -21,12 +21,7 @@ from overview_dsp.devices.controllers.control_map import (
 )
 from overview_dsp.devices.controllers.midi_messages import step_of
 from overview_dsp.devices.controllers.osc_messages import decode_packet
-from overview_dsp.devices.sensors.number_meaning import (
-    REST_ROWS,
-    axes_in_turn,
-    best_meaning,
-    explain,
-)
+from overview_dsp.devices.sensors import number_meaning
 from overview_dsp.devices.sensors.units import is_gravity
 from overview_dsp.errors import InputError
 
@@ -63,6 +58,15 @@ class Learner:
         if self._to in SWITCHES:
             return "press the key or the pedal"
         return "turn it to the right, then back to the left"
+
+    @property
+    def failure(self) -> str:
+        """Reason why there is no control yet."""
+        return f"no control for {self._to!r} was moved"
+
+    def control_of(self, messages: list[bytes], time_s: float) -> Control | None:
+        """Return the control, once these messages identify it."""
+        return next(filter(None, map(self.read, messages)), None)
 
     def read(self, data: bytes) -> Control | None:
         """Return the control, once it is known."""
@@ -205,9 +209,18 @@ class OscLearner:
         return "move it from one end to the other and back, then leave it"
 
     @property
-    def received(self) -> str:
-        """Received addresses with their number of values, for display."""
-        return ", ".join(f"{address} ({count})" for address, count in self._counts.items())
+    def failure(self) -> str:
+        """Reason why there is no control yet: the addresses with their number of values."""
+        counted = ", ".join(f"{address} ({count})" for address, count in self._counts.items())
+        received = f"received: {counted}" if counted else "nothing received"
+        reason = f"; {self.explanation}" if self.explanation else ""
+        return f"no message for {self._to!r} ({received}{reason})"
+
+    def control_of(self, messages: list[bytes], time_s: float) -> OscControl | None:
+        """Return the control, once these messages and earlier ones identify it."""
+        for data in messages:
+            self.read(data, time_s)
+        return self.found(time_s)
 
     def read(self, data: bytes, time_s: float) -> None:
         """Process a datagram; an invalid one is ignored."""
@@ -253,7 +266,7 @@ class OscLearner:
         if time_s - self._tried_s < RETRY_S:
             return None
         self._tried_s = time_s
-        found = best_meaning(self._rows)
+        found = number_meaning.best_meaning(self._rows)
         if not found:
             return None
         address, meaning = found[0]
@@ -262,8 +275,8 @@ class OscLearner:
             control = replace(control, order=meaning.order)
         if meaning.ups is None:
             return replace(control, scale=math.degrees(1.0) if meaning.radians else 1.0)
-        x, y, z = np.median(meaning.ups[:REST_ROWS], axis=0)
-        return replace(control, axes=axes_in_turn((x, y, z), meaning.ups))
+        x, y, z = np.median(meaning.ups[: number_meaning.REST_ROWS], axis=0)
+        return replace(control, axes=number_meaning.axes_in_turn((x, y, z), meaning.ups))
 
     @property
     def explanation(self) -> str:
@@ -276,7 +289,7 @@ class OscLearner:
                 "each axis comes in a message of its own: choose theta2 instead of device, and "
                 "turn the device"
             )
-        return f"{address}: {explain(rows)}"
+        return f"{address}: {number_meaning.explain(rows)}"
 
 
 def _is_number(value: object) -> bool:
