@@ -6,11 +6,10 @@ Thread: `poll` runs in the control thread, everything else in the server's.
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Mapping
 from typing import Any
 
 from overview_dsp.design.presets.model import Preset
-from overview_dsp.live.inputs.input import Input
+from overview_dsp.live.inputs.input import CombinedInput, Input
 from overview_dsp.live.session.player import Player
 from overview_dsp.signal.engine.coefficients import check_carrier
 from overview_dsp.signal.engine.engine import Engine
@@ -18,14 +17,17 @@ from overview_dsp.signal.surface.build import build_surface
 from overview_dsp.web.remote_inputs import RemoteInputs
 
 
-class HostSession(Input):
-    """Player that pages control; also the input that `headless.run` and the screen poll."""
+class HostSession(CombinedInput):
+    """Player that pages control; also the input that `headless.run` and the screen poll.
+
+    This is the second input of the session, if there is one, and the requests of pages.
+    """
 
     def __init__(self, player: Player, other: Input | None = None) -> None:
         """Control `player`; the session ends with the second input `other`, if there is one."""
+        super().__init__({} if other is None else {"other": other})
         self.inputs = RemoteInputs(player.engine)
         self.player = player
-        self._other = other
         self._windows: deque[tuple[float, float]] = deque(maxlen=1)
         self._presets: deque[Preset] = deque(maxlen=1)
 
@@ -56,9 +58,8 @@ class HostSession(Input):
         }
 
     def poll(self, engine: Engine) -> None:
-        """Apply the requests of pages."""
-        if self._other is not None:
-            self._other.poll(engine)
+        """Poll the other input, and apply the requests of pages."""
+        super().poll(engine)
         while self._windows:
             self.player.show(*self._windows.popleft())
         if self._presets:
@@ -66,17 +67,8 @@ class HostSession(Input):
 
     def is_over(self, engine: Engine) -> bool:
         """Return whether the other input has ended; without one, False."""
-        return self._other is not None and self._other.is_over(engine)
+        return bool(self._inputs) and super().is_over(engine)
 
-    def take_messages(self) -> tuple[str, ...]:
-        """Return the new messages of the other input."""
-        return () if self._other is None else self._other.take_messages()
-
-    @property
-    def status_text(self) -> str:
-        """Status text of the other input."""
-        return "" if self._other is None else self._other.status_text
-
-    def report(self) -> Mapping[str, Any]:
+    def report(self) -> dict[str, Any]:
         """Return the report of the other input."""
-        return {} if self._other is None else self._other.report()
+        return dict(super().report().get("other", {}))
