@@ -80,7 +80,6 @@ def _on_channels(vibration: FloatArray, settings: OutputSettings) -> SampleArray
     samples = np.zeros((len(vibration), settings.channels), dtype=np.float32)
     for signal in settings.signals:
         ceiling = gain_of_db(signal.ceiling_db)
-        gain = 0.0 if signal.mute else gain_of_db(signal.gain_db)
         for channel in signal.channels:
-            samples[:, channel - 1] = np.clip(gain * vibration, -ceiling, ceiling)
+            samples[:, channel - 1] = np.clip(signal.gain * vibration, -ceiling, ceiling)
     return samples
