@@ -15,7 +15,7 @@ from overview_dsp.cli.options.declaring import cli_command, option, refuse_optio
 from overview_dsp.cli.options.follow import Feed, open_data
 from overview_dsp.cli.options.output import Output
 from overview_dsp.cli.options.reading import PresetChoice, Reading, Window
-from overview_dsp.cli.options.server import Server, ServerAddress, open_server, require_server
+from overview_dsp.cli.options.server import Server, require_server
 from overview_dsp.cli.signals import ended_by_signals, exit_if_stopped, wait_for_end
 from overview_dsp.errors import InputError
 from overview_dsp.validation import float_or_nan
@@ -62,28 +62,29 @@ def command(
         require_server()
         if audio == "here":
             refuse_options("needs --audio host", Output, Session)
-        routes = data.routes(audio, choice.linear, None if media is None else _film(media))
+        film = None if media is None else _film(media)
         if publish is not None and data.follow is not None:
             from overview_dsp.web.static_publisher import StaticPublisher
 
             preset = choice.load(data.preset)
             stack.callback(StaticPublisher(data.follow.live, preset, publish, note).close)
-        growing = data.follow is not None
         if audio == "host":
             from overview_dsp.web.session import HostSession
 
-            with open_player(data, output, session, choice.linear) as (player, received):
-                host = HostSession(player)
-                with open_server(server, host, routes, growing) as opened:
-                    _report(opened, as_json)
-                    play_headless(player, host, received, seconds)
+            player, received = stack.enter_context(
+                open_player(data, output, session, choice.linear)
+            )
+            host = HostSession(player)
         else:
-            with (
-                ended_by_signals() as received,
-                open_server(server, None, routes, growing) as opened,
-            ):
-                _report(opened, as_json)
-                wait_for_end(received, seconds)
+            received, host = stack.enter_context(ended_by_signals()), None
+        opened = stack.enter_context(data.served(server, host, choice.linear, film))
+        if as_json:
+            sha256 = opened.fingerprint_sha256
+            print(json.dumps({"address": opened.address, "fingerprint_sha256": sha256}), flush=True)
+        if host is None:
+            wait_for_end(received, seconds)
+        else:
+            play_headless(host.player, host, received, seconds)
     exit_if_stopped(received)
 
 
@@ -95,9 +96,3 @@ def _film(text: str) -> Media:
     if not math.isfinite(offset_s):
         raise InputError(f"--media is {text}; offset must be a number of seconds, such as 754")
     return open_media(path if comma else text, offset_s)
-
-
-def _report(opened: ServerAddress, as_json: bool) -> None:
-    if as_json:
-        report = {"address": opened.address, "fingerprint_sha256": opened.fingerprint_sha256}
-        print(json.dumps(report), flush=True)

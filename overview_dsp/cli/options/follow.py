@@ -7,7 +7,7 @@ import re
 import sys
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar
@@ -15,16 +15,16 @@ from typing import TYPE_CHECKING, ClassVar
 import overview_dsp as ov
 from overview_dsp.cli.options.declaring import option, refuse_options
 from overview_dsp.cli.options.reading import Reading, Window, open_timeline, preset_for
+from overview_dsp.cli.options.server import Server, ServerAddress, open_server
 from overview_dsp.errors import InputError
 from overview_dsp.validation import float_or_nan
 
 if TYPE_CHECKING:
-    from starlette.routing import BaseRoute
-
     from overview_dsp.data.timeline import Timeline
     from overview_dsp.live.session.live_updates import FollowSettings
     from overview_dsp.live.session.marks import MarksFile
     from overview_dsp.web.media import Media
+    from overview_dsp.web.session import HostSession
 
 FIRST_WITHIN_S = 3.0  # longest wait for the first data, which determine the preset, s
 
@@ -104,15 +104,18 @@ class OpenedData:
     follow: FollowSettings | None
     marks: MarksFile
 
-    def routes(self, audio: str, linear: bool, media: Media | None = None) -> list[BaseRoute]:
-        """Return the routes that serve the data to a page."""
+    def served(
+        self, server: Server, host: HostSession | None, linear: bool, media: Media | None = None
+    ) -> AbstractContextManager[ServerAddress]:
+        """Serve the data to pages, which play them, or which control the session `host`."""
         from overview_dsp.web.data import data_routes
 
         live = None if self.follow is None else self.follow.live
-        return data_routes(
-            self.timeline, self.preset, audio=audio, first=self.window, media=media, live=live,
-            linear=linear,
+        routes = data_routes(
+            self.timeline, self.preset, audio="here" if host is None else "host",
+            first=self.window, media=media, live=live, linear=linear,
         )  # fmt: skip
+        return open_server(server, host, routes, live is not None)
 
 
 @contextmanager
