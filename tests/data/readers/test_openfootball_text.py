@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import pytest
@@ -167,3 +169,26 @@ def test_other_texts_are_not_detected_as_football_txt(text: str, tmp_path: Path)
 def test_any_change_gives_a_timeline_or_a_one_line_error(at: int, put: str, cut: int) -> None:
     text = CUP[:at] + put + CUP[at + cut :]
     timeline_or_one_line(lambda: openfootball.decode(openfootball.document_of(text), "1"))
+
+
+PARTS = st.sampled_from(CUP.splitlines()) | st.sampled_from(
+    ["A 2-1 B", "A  12-0  B", "\tA v B\t2-1", " 3-0", "3-0 B", "A 100-1 B", "A - B", "A\u00a01-1 B"]
+)
+
+
+@given(st.lists(PARTS, min_size=1, max_size=4))
+def test_a_text_without_a_score_is_no_match_without_reading_its_lines(lines: list[str]) -> None:
+    with TemporaryDirectory() as folder, pytest.MonkeyPatch.context() as patch:
+        (Path(folder) / "x.txt").write_text("\n".join(["= Cup", *lines]), encoding="utf-8")
+        source = DataFile.open(Path(folder) / "x.txt")
+        found = openfootball.sniff_text(source)
+        patch.setattr(openfootball, "_A_SCORE", re.compile(""))
+        assert openfootball.sniff_text(source) == found
+
+
+def test_the_lines_of_a_text_without_a_score_are_not_read(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "x.txt").write_text("= Cup\nRuritania - Elbonia\n2031-07-04,3\n")
+    monkeypatch.delattr(openfootball, "document_of")
+    assert not openfootball.sniff_text(DataFile.open(tmp_path / "x.txt"))
