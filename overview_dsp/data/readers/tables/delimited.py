@@ -138,8 +138,8 @@ class DelimitedTable(Table):
         first, above = dialect.first, dialect.first - 1
         for block in lines.blocks():
             while above and block:
-                line, _, block = block.partition("\n")
-                if line.startswith(COMMENTS):
+                head, _, block = block.partition(b"\n")
+                if (line := as_text(head)).startswith(COMMENTS):
                     self.comments[dialect.first - above] = line
                 above -= 1
             if not block:
@@ -184,14 +184,12 @@ class DelimitedTable(Table):
             line = numbers[i] if numbers is not None else first + i
             if not any(cell.strip() for cell in row):
                 continue
-            if len(row) > width:
-                if any(cell.strip() for cell in row[width:]):
-                    raise CellLocation(line).fault(
-                        f"{len(row)} fields for {width} columns; put quotes around a field that "
-                        "holds the separator"
-                    )
-                row = row[:width]
-            kept.append([*row, *[None] * (width - len(row))])
+            if any(cell.strip() for cell in row[width:]):
+                raise CellLocation(line).fault(
+                    f"{len(row)} fields for {width} columns; put quotes around a field that "
+                    "holds the separator"
+                )
+            kept.append([*row[:width], *[None] * (width - len(row))])
             lines.append(line)
         return first, lines, kept
 
@@ -215,7 +213,7 @@ class Lines:
 
     def __iter__(self) -> Iterator[str]:
         number, quotes = 0, 0
-        for block in self.blocks():
+        for block in map(as_text, self.blocks()):
             if number >= self.above and not _has_comment(block, self.comments):
                 number += _line_ends(block)
                 quotes += block.count('"')
@@ -228,29 +226,34 @@ class Lines:
                 if comment:
                     self.found[number] = line
                 if comment or number <= self.above:
-                    yield "\n"
-                    continue
+                    line = "\n"
                 quotes += line.count('"')
                 yield line
 
-    def blocks(self) -> Iterator[str]:
-        """Yield blocks of whole lines, with comments; InputError for a line that is too long."""
+    def blocks(self) -> Iterator[bytes]:
+        """Yield blocks of whole lines, with comments, for `as_text`.
+
+        InputError: a line that is too long.
+        """
         if isinstance(self.source, str):
             self.part = 1.0
-            yield self.source
+            yield _encoded(self.source)
             return
-        errors = "surrogateescape" if self.encoding.startswith(_UTF8) else "replace"
+        is_plain = self.encoding.startswith(_UTF8)
+        errors = "surrogateescape" if is_plain else "replace"
         decoder = codecs.getincrementaldecoder(self.encoding)(errors)
         newlines = io.IncrementalNewlineDecoder(decoder, True)
-        rest, seen = "", 0
+        rest, seen = b"", 0
         for number, data in enumerate(self._data()):
             seen += len(data)
-            text = rest + newlines.decode(data, final=not data)
-            cut = text.rfind("\n") + 1 if data else len(text)
+            # ASCII with these line ends needs no decoding
+            is_plain = is_plain and data.isascii() and b"\r" not in data
+            text = rest + (data if is_plain else _encoded(newlines.decode(data, final=not data)))
+            cut = text.rfind(b"\n") + 1 if data else len(text)
             block, rest = text[:cut], text[cut:]
-            if len(rest) > MAX_LINE:
+            if len(rest) > MAX_LINE and len(as_text(rest)) > MAX_LINE:
                 before = itertools.islice(Lines(self.source, self.encoding).blocks(), number)
-                line = 1 + sum(block.count("\n") for block in (*before, block))
+                line = 1 + sum(block.count(b"\n") for block in (*before, block))
                 raise InputError(
                     f"line {line} is longer than {MAX_LINE} characters; a table has one "
                     "line per row: save it as CSV"
@@ -263,11 +266,19 @@ class Lines:
         assert not isinstance(self.source, str)
         try:
             with open(self.source.path, "rb") as stream:
-                while data := stream.read(BLOCK_BYTES):
-                    yield data
+                yield from iter(lambda: stream.read(BLOCK_BYTES), b"")
         except OSError as error:
             raise InputError(f"can't be read ({error.strerror})") from error
         yield b""
+
+
+def as_text(block: bytes) -> str:
+    """Return a block of `Lines` as text."""
+    return block.decode(_UTF8, "surrogatepass")
+
+
+def _encoded(text: str) -> bytes:
+    return text.encode(_UTF8, "surrogatepass")
 
 
 def _row_blocks(
@@ -320,7 +331,7 @@ def _line_ends(text: str) -> int:
 
 
 def field_ends(
-    block: str, separator: str, width: int, comments: tuple[str, ...] = ()
+    block: bytes, separator: str, width: int, comments: tuple[str, ...] = ()
 ) -> tuple[NDArray[np.uint8], IntArray] | None:
     """Return a buffer, and the ends of all fields in it; None if a block isn't plain.
 
@@ -329,9 +340,9 @@ def field_ends(
     `width`: number of fields per line.
     `comments`: prefixes of comment lines.
     """
-    if '"' in block or "\r" in block or not block.isascii():
+    if b'"' in block or b"\r" in block or not block.isascii():
         return None
-    data = padded((block if block.endswith("\n") else block + "\n").encode())
+    data = padded(block if block.endswith(b"\n") else block + b"\n")
     ends = data == _NEWLINE
     marks = np.flatnonzero(ends | (data == ord(separator)))
     rows, left = divmod(len(marks), width)
@@ -343,11 +354,11 @@ def field_ends(
         return None
     if length.max() > LONGEST_FIELD and np.diff(marks, prepend=PAD - 1).max() > LONGEST_FIELD:
         return None
-    others = {mark[0]: lines for mark in comments}
+    others = {mark[0].encode(): lines for mark in comments}
     if separator != "\t":
-        others[" "] = marks  # blanks before a field don't belong to it
+        others[b" "] = marks  # blanks before a field don't belong to it
     found = (mark in block and (data[some + 1] == ord(mark)).any() for mark, some in others.items())
-    return None if block[0] in (" ", "#", *others) or any(found) else (data, marks)
+    return None if block[:1] in (b" ", b"#", *others) or any(found) else (data, marks)
 
 
 def _column(data: NDArray[np.uint8], marks: IntArray, width: int, i: int) -> TextCells:

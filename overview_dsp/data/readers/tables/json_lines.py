@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from overview_dsp.arrays import IntArray
 from overview_dsp.data.readers.data_file import DataFile
-from overview_dsp.data.readers.tables.delimited import Lines
+from overview_dsp.data.readers.tables.delimited import Lines, as_text
 from overview_dsp.data.readers.tables.dialect import encoding_of
 from overview_dsp.data.readers.tables.json import names_in
 from overview_dsp.data.readers.tables.table import (
@@ -65,20 +65,17 @@ class JsonLinesTable(Table):
                 chunk = Chunk(found, numbers[0], numbers, self._lines.part)
                 yield single_cells(self, chunk, columns)
 
-    def _blocks(self) -> Iterator[tuple[int, str]]:
+    def _blocks(self) -> Iterator[tuple[int, bytes]]:
         """Yield blocks of lines, with the number of their first line."""
         first = 1
         for block in self._lines.blocks():
             yield first, block
-            first += block.count("\n")
+            first += block.count(b"\n")
 
 
 def sniff(source: DataFile) -> bool:
     """Return whether each line of the file is a JSON object."""
-    text = source.head_text
-    if text is None or not text.lstrip().startswith("{"):
-        return False
-    lines = [line for line in text.split("\n")[:3] if line.strip()]
+    lines = [line for line in (source.head_text or "").split("\n")[:3] if line.strip()]
     if len(lines) < 2 or not all(line.lstrip().startswith("{") for line in lines):
         return False
     try:
@@ -87,8 +84,8 @@ def sniff(source: DataFile) -> bool:
         return False
 
 
-def _records(first: int, block: str) -> Iterator[tuple[int, dict[str, Any]]]:
-    for number, line in enumerate(block.split("\n"), first):
+def _records(first: int, block: bytes) -> Iterator[tuple[int, dict[str, Any]]]:
+    for number, line in enumerate(as_text(block).split("\n"), first):
         if not line.strip():
             continue
         try:
@@ -101,22 +98,22 @@ def _records(first: int, block: str) -> Iterator[tuple[int, dict[str, Any]]]:
         yield number, record
 
 
-def cells_of(block: str, names: Sequence[str]) -> tuple[Cells, ...] | None:
+def cells_of(block: bytes, names: Sequence[str]) -> tuple[Cells, ...] | None:
     """Return the values of these keys, None if lines differ in more than their values.
 
     `block`: whole lines.
     `names`: keys in all lines.
     """
-    if "\\" in block or not block.isascii():
+    if b"\\" in block or not block.isascii():
         return None
-    head = block.partition("\n")[0]
+    head = as_text(block.partition(b"\n")[0])
     try:
         pairs = json.loads(head, object_pairs_hook=tuple)
     except (ValueError, RecursionError):
         return None
     if not isinstance(pairs, tuple) or not pairs:
         return None
-    data = padded((block if block.endswith("\n") else block + "\n").encode())
+    data = padded(block if block.endswith(b"\n") else block + b"\n")
     ends = np.flatnonzero(data == ord("\n"))
     marks = np.flatnonzero(data == ord('"'))
     places = [i for i, letter in enumerate(head) if letter == '"']

@@ -110,8 +110,8 @@ def test_a_broken_line_is_named(tmp_path, line):
 
 
 def test_lines_with_the_same_keys_are_read_as_columns():
-    block = '{"time": "2024-01-01", "level": -1.25, "n": 3}\n'
-    block += '{"time": "2024-01-02", "level": null, "n": -12}\n'
+    block = b'{"time": "2024-01-01", "level": -1.25, "n": 3}\n'
+    block += b'{"time": "2024-01-02", "level": null, "n": -12}\n'
     time, level, n = cells_of(block, ["time", "level", "n"])
     assert time.tolist() == ["2024-01-01", "2024-01-02"]
     assert level[0] == -1.25

@@ -71,3 +71,58 @@ def test_a_wide_table_gives_the_columns_that_are_asked_for(tmp_path: Path) -> No
         assert [as_list(cells) for cells in chunk.cells] == [
             [f"{row}.{i}" for row in range(rows)] for i in columns
         ]
+
+
+ENCODINGS = ("utf-8", "utf-8-sig", "cp1252", "utf-16-le")
+
+
+@settings(
+    max_examples=200,
+    deadline=None,
+    suppress_health_check=[HealthCheck.function_scoped_fixture],
+)
+@given(
+    text=st.text("a1,é€\n\r\u2028\ufeff🙂", max_size=60),
+    wrong=st.binary(max_size=3),
+    encoding=st.sampled_from(ENCODINGS),
+    size=st.integers(1, 40),
+)
+def test_blocks_hold_the_whole_lines_of_a_file(
+    tmp_path: Path, text: str, wrong: bytes, encoding: str, size: int
+) -> None:
+    data = text.encode(encoding, "replace")
+    data = data[: len(data) // 2] + wrong + data[len(data) // 2 :]
+    path = tmp_path / "table.csv"
+    path.write_bytes(data or b"x")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(delimited, "BLOCK_BYTES", size)
+        lines = delimited.Lines(DataFile.open(path), encoding)
+        blocks = [delimited.as_text(block) for block in lines.blocks()]
+        texts = list(lines)
+    errors = "surrogateescape" if encoding.startswith("utf-8") else "replace"
+    with open(path, encoding=encoding, errors=errors) as stream:
+        assert "".join(blocks) == "".join(texts) == stream.read()
+    assert all(block[-1:] in ("", "\n") for block in blocks[:-1])
+
+
+@given(text=st.text(st.characters(codec=None) | st.sampled_from("\r\n\ud800\udc80\udfff")))
+def test_the_lines_of_a_text_keep_all_characters(text: str) -> None:
+    assert ascii("".join(delimited.Lines(text))) == ascii(text)
+
+
+@pytest.mark.parametrize("letter", ["x", "é"])
+@pytest.mark.parametrize("size", [3, 10, 64])
+def test_the_line_that_is_too_long_is_named_by_its_number(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, letter: str, size: int
+) -> None:
+    monkeypatch.setattr(delimited, "BLOCK_BYTES", size)
+    monkeypatch.setattr(delimited, "MAX_LINE", 30)
+    path = tmp_path / "table.csv"
+
+    def lines_of(length: int) -> list[str]:
+        path.write_text("a\n\nbc\r\n" + letter * length + "\nd\n" * 40, "utf-8", newline="")
+        return list(delimited.Lines(DataFile.open(path)))
+
+    assert lines_of(28)[3] == letter * 28 + "\n"  # in characters, of one or two bytes
+    with pytest.raises(InputError, match="line 4 is longer than 30 characters"):
+        lines_of(200)
