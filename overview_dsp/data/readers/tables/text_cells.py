@@ -32,6 +32,8 @@ _KEEP = np.array([(2**64 - 1) >> 8 * (8 - n) << 8 * (8 - n) for n in range(9)], 
 _SPARSE = 1000
 """Characters of a buffer per cell above which cells are decoded one by one."""
 
+_DIGITS_AS_ZERO = bytes.maketrans(b"123456789", b"000000000")
+
 _POWERS = 10 ** np.arange(17, dtype=np.uint64)
 _SCALES = 10.0 ** np.arange(23)
 
@@ -52,12 +54,9 @@ class TextCells(Sequence[str]):
     def of(cls, cells: list[Any]) -> TextCells | None:
         """Return a list of texts as cells; None if there is another type or character in it."""
         try:
-            text = "\n".join([*cells, ""])
-        except TypeError:
+            data = padded("\n".join([*cells, ""]).encode("ascii"))
+        except (TypeError, UnicodeEncodeError):
             return None
-        if not text.isascii():
-            return None
-        data = padded(text.encode())
         stops = np.flatnonzero(data == ord("\n"))
         starts = np.concatenate(([PAD], stops + 1))[:-1]
         return cls(data, starts, stops) if len(stops) == len(cells) else None
@@ -92,14 +91,14 @@ class TextCells(Sequence[str]):
         lengths = self.stops - self.starts
         same: BoolArray = (lengths if whole else lengths[rows]) == len(sample)
         self._gather(len(sample))
+        wrong: Any = np.uint64(0)
         for begin in range(0, len(sample), 8):
-            part = sample[begin : begin + 8]
+            part = sample[begin : begin + 8].translate(_DIGITS_AS_ZERO)
             words = self._words[begin // 8] if whole else self._words[begin // 8][rows]
-            digits = _word_of(255 * (ord("0") <= byte <= ord("9")) for byte in part)
-            others = _word_of(255 for _ in part) & ~digits
-            wrong = ((words ^ _ZEROS) & digits) + _NO_DIGIT & (digits & _HIGH)
-            wrong |= (words ^ _word_of(part)) & others
-            same &= wrong == 0
+            # sets the high bit in values above 9 of digits, above 0 of others
+            most = _word_of(0x76 if byte == ord("0") else 0x7F for byte in part)
+            wrong |= (words ^ _word_of(part)) + most & _word_of(0x80 for _ in part)
+        same &= wrong == 0
         return same
 
     def runs(self, end: int) -> tuple[Callable[[int, int], Positions | int], Positions]:
@@ -181,10 +180,14 @@ def _word_of(letters: Iterable[int]) -> np.uint64:
 
 def _eights(data: NDArray[np.uint8], begins: Positions, count: int) -> list[Words]:
     """Return words of eight characters from each of `begins` on, `count` for each."""
-    size = 8 * count
-    # one copy of all of them: twice as fast as of single words, which aren't aligned
-    found = np.ndarray(len(data) - size + 1, f"V{size}", data, strides=(1,))[begins].view("<u8")
-    return list(np.ascontiguousarray(found.reshape(-1, count).T)) if count > 1 else [found]
+    size, step = 8 * count, int(np.diff(begins[:2]).sum())
+    even = step and begins[-1] - begins[0] == step * (len(begins) - 1)
+    if even and (np.diff(begins) == step).all():  # texts of one length, as in Parquet
+        words = np.ndarray((len(begins), count), "<u8", data, int(begins[0]), (step, 8))
+    else:  # one copy of all words: twice as fast as of single ones, which aren't aligned
+        places = np.ndarray(len(data) - size + 1, f"V{size}", data, strides=(1,))
+        words = places[begins].view("<u8").reshape(-1, count)
+    return list(np.ascontiguousarray(words.T))
 
 
 def _numbers(
@@ -199,7 +202,7 @@ def _numbers(
     longest = int(length.max(initial=0))
     if longest == length.min(initial=longest):
         length = length[:1]  # a mask for all
-    *high, word = _eights(data, stops - (8 if longest <= 8 else 16), 1 + (longest > 8))
+    *high, word = _eights(data, stops - 16, 2)[longest <= 8 :]
     word, marked, figures = _without(_digits(word, length), mark)
     found, good = _value(word, 8), _are_digits(word)
     for word in high:

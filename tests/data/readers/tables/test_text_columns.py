@@ -191,3 +191,41 @@ def test_days_of_many_centuries_are_apart_by_their_days() -> None:
     days = np.array(["0001-01-01", "9999-12-31"], "datetime64[D]")
     seconds = TimeColumn(Format("iso")).seconds(days, locate)
     assert seconds.tolist() == [0.0, 3652058 * 86_400.0]
+
+
+@pytest.mark.parametrize("length", [1, 4, 7, 8, 15, 16, 23])
+def test_texts_of_one_length_are_read_as_those_of_any(length: int) -> None:
+    texts = [(str(1 + i % 9) + str(i % 10) * length)[:length] for i in range(40)]
+    even = cells_of(texts)
+    uneven = cells_of([text for i, cell in enumerate(texts) for text in (cell, "y" * (i % 3))])[::2]
+    texts[7] = texts[7][:-1] + "x"
+    assert even.like_first(np.arange(40)).all()
+    assert uneven.like_first(np.arange(40)).all()
+    assert np.flatnonzero(~cells_of(texts).like_first(np.arange(40))).tolist() == [7]
+    for begin in range(max(length - 18, 0), length):
+        numbers = [cells.number(begin, length) for cells in (even, uneven)]
+        assert np.array_equal(*numbers)
+        assert np.array_equal(numbers[0], [int(text[begin:]) for text in even])
+
+
+@pytest.mark.parametrize("texts", [["1234", "12", "123456", "5"], ["7", "1", "23", "", "4"]])
+def test_texts_whose_first_and_last_steps_agree_are_read_in_their_own_places(
+    texts: list[str],
+) -> None:
+    found, good = cells_of(texts).wholes()
+    assert [n for n, is_number in zip(found.tolist(), good.tolist(), strict=True) if is_number] == [
+        int(text) for text in texts if text
+    ]
+    assert cells_of(["12:34", "1:2", "12:3456", "5:67"]).like_first(np.arange(4)).tolist() == [
+        True, False, False, False
+    ]  # fmt: skip
+
+
+def test_only_digits_may_differ_from_the_first_text() -> None:
+    letters = [chr(code) for code in range(128) if chr(code) != "\n"]
+    for first, at in (("12:34:56.789", 8), ("12:34:56.789", 4), ("2012-01-01T10", 10)):
+        cells = cells_of([first, *(first[:at] + letter + first[at + 1 :] for letter in letters)])
+        alike = [
+            letter.isdigit() if first[at].isdigit() else letter == first[at] for letter in letters
+        ]
+        assert cells.like_first(np.arange(len(cells))).tolist() == [True, *alike]
