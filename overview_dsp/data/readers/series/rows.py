@@ -45,6 +45,9 @@ class RowReader:
     def __iter__(self) -> Iterator[Rows]:
         count = len(self.choice.columns)
         seen = 0
+        # freed at once: from then on glibc keeps freed memory of arrays up to this size, so that
+        # those of the next chunk need no new pages
+        np.empty(1 << 23, np.uint8)
         for chunk in self.table.chunks((*self.choice.columns, *self.columns)):
             self.progress(chunk.part)
             values = [

@@ -179,11 +179,9 @@ class ParquetTable(Table):
 
         self._arrow: Any = arrow
         self._path = str(source.path)
-        with library_errors(_broken):
-            file = arrow.parquet.ParquetFile(self._path, memory_map=False)
-            with file:
-                schema = file.schema_arrow
-                self._rows = file.metadata.num_rows
+        with library_errors(_broken), arrow.parquet.ParquetFile(self._path) as file:
+            schema = file.schema_arrow
+            self._rows = file.metadata.num_rows
         if self._rows > MAX_ROWS:
             raise InputError(f"{self._rows} rows; must be at most {MAX_ROWS}: cut it into parts")
         if self._rows == 0:
