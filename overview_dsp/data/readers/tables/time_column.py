@@ -528,12 +528,12 @@ class TimeColumn:
             size = np.abs(found[known].astype(np.float64))
             return None if (size > _LARGEST).any() else found.astype(np.float64) * plain
         whole, unit_ns = found[known], EPOCHS[self.format.name]
-        if whole.dtype.kind != "i" or max(-int(whole.min()), int(whole.max())) >= 2**62:
+        other = whole.dtype.kind != "i" or (self.anchor_ns or 0) % unit_ns  # or a first fraction
+        if other or max(-int(whole.min()), int(whole.max())) >= 2**62:
             return None
         self._check_zone(0, "", CellLocation(0))
         if self.anchor_ns is None:
             self.anchor_ns = int(whole[0]) * unit_ns
-        begin, rest = divmod(self.anchor_ns, unit_ns)
         seconds = np.full(len(found), np.nan)
-        seconds[known] = (whole - begin) / (NS // unit_ns) - rest / NS
+        seconds[known] = (whole - self.anchor_ns // unit_ns) / (NS // unit_ns)
         return seconds

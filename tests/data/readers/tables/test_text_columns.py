@@ -124,6 +124,11 @@ def test_dates_of_the_same_days_are_the_same_by_columns_and_by_cells(
     assert_same(times(form, parts, True), times(form, parts, False))
 
 
+def test_whole_times_after_a_fraction_are_the_same_by_columns_and_by_cells() -> None:
+    for parts in ([["-.01"], ["0"]], [["1600000000000.25"], ["1600000000001", "1600000000002"]]):
+        assert times("epoch_ms", parts, True) == times("epoch_ms", parts, False)
+
+
 NUMBERS = (
     st.text("0123456789.,-+e ", max_size=19)
     | st.floats(allow_nan=False).map(repr)
