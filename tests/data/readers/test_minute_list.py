@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from overview_dsp.data.readers import load_timeline
 from overview_dsp.data.readers.data_file import DataFile
+from overview_dsp.data.readers.football import minute_list
 from overview_dsp.data.readers.football.minute_list import COLUMNS, decode, sniff
 from overview_dsp.data.readers.football.minutes import Clock, Minute, parse_minute
 from overview_dsp.data.readers.football.vocabulary import meaning, normalize_terms
@@ -518,3 +519,12 @@ def test_a_score_that_cannot_be_counted_is_noted(rows: list[str], note: str) -> 
     text = "\n".join(["minute,type,player,team", *rows, ""])
     (found,) = [one for one in load_timeline(text.encode()).notes if "score" in one]
     assert found.startswith(note)
+
+
+def test_columns_have_the_first_header_of_their_words_and_several_details() -> None:
+    header = ["", "Qualifier", "x", "Team", "team", "player_name", "card type", "Details", "Team"]
+    assert minute_list._columns(header) == {
+        "details": ["Details", "card type", "Qualifier"],
+        "player": ["player_name"],
+        "team": ["Team"],
+    }

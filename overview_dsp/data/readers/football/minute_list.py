@@ -321,16 +321,16 @@ def _with_kinds(
 
 def _columns(header: Sequence[str]) -> dict[str, list[str]]:
     """Return the columns of the header by their keys in `COLUMNS`."""
-    names = {
-        name: normalize_text(name.replace("_", " ")).replace(" ", "") for name in header if name
-    }
+    names: dict[str, list[str]] = {}
+    for name in filter(None, dict.fromkeys(header)):
+        normalized = normalize_text(name.replace("_", " ")).replace(" ", "")
+        names.setdefault(normalized, []).append(name)
     columns: dict[str, list[str]] = {}
     used: set[str] = set()
     for key, aliases in COLUMNS.items():
         for alias in aliases:
-            for name, normalized in names.items():
-                same = normalized == alias.replace(" ", "")
-                if same and name not in used and (key not in columns or key == "details"):
+            for name in names.get(alias.replace(" ", ""), ()):
+                if name not in used and (key not in columns or key == "details"):
                     columns.setdefault(key, []).append(name)
                     used.add(name)
     return columns

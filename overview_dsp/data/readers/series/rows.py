@@ -120,9 +120,7 @@ def in_order(reader: RowReader, read: Rows) -> tuple[Rows, list[str]]:
     """
     number, seconds = read[:2]
     word = reader.table.row_word
-    notes: list[str] = []
-    if reader.skipped:
-        notes.append(skipped_note(reader))
+    notes = [skipped_note(reader)] if reader.skipped else []
     step = np.diff(seconds)
     order = None
     if step.size and bool((step <= 0.0).all()) and bool((step < 0.0).any()):

@@ -77,11 +77,12 @@ class TextCells(Sequence[str]):
 
     def tolist(self) -> list[str]:
         """Return the texts."""
-        low = int(self.starts.min(initial=len(self.data)))
-        if len(self) * _SPARSE < int(self.stops.max(initial=0)) - low:  # few columns of many
-            return [self[i] for i in range(len(self))]
-        text = self.data[low : int(self.stops.max(initial=0))].tobytes().decode("ascii")
+        low, high = int(self.starts.min(initial=len(self.data))), int(self.stops.max(initial=0))
         both = zip((self.starts - low).tolist(), (self.stops - low).tolist(), strict=True)
+        data = self.data.data[low:high]
+        if len(self) * _SPARSE < high - low:  # few columns of many
+            return [str(data[start:stop], "ascii") for start, stop in both]
+        text = str(data, "ascii")
         return [text[start:stop] for start, stop in both]
 
     def like_first(self, rows: Positions) -> BoolArray:
