@@ -73,11 +73,11 @@ export class KernelNode extends AudioWorkletNode {
   }
 
   /** Send the queued events, so that later messages follow them. */
-  flush() {
+  flush(kind = "control") {
     if (this.unsentEvents.length === 0) return;
     const events = eventRows(this.unsentEvents);
     this.unsentEvents = [];
-    this.port.postMessage({ kind: "control", events }, [events.buffer]);
+    this.port.postMessage({ kind, events }, [events.buffer]);
   }
 
   /**
@@ -131,7 +131,6 @@ export class KernelNode extends AudioWorkletNode {
    * @returns {Promise<KernelState>}
    */
   readState() {
-    this.flush();
     return new Promise((resolve) => {
       this.pendingReads.push(({ over, meters, strikes }) => {
         const meterValues = Object.fromEntries(METERS.map((name, i) => [name, meters[i]]));
@@ -143,7 +142,8 @@ export class KernelNode extends AudioWorkletNode {
         }
         resolve({ ...state, over, newStrikes });
       });
-      this.port.postMessage({ kind: "read" });
+      if (this.unsentEvents.length > 0) this.flush("read"); // one message instead of two
+      else this.port.postMessage({ kind: "read" });
     });
   }
 

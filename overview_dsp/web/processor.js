@@ -31,6 +31,7 @@ class OverviewProcessor extends AudioWorkletProcessor {
     else if (data.kind === "output") kernel.output(data.signals);
     else if (data.kind === "stop") kernel.stop();
     else if (data.kind === "read") {
+      if (data.events) kernel.control(data.events);
       const meters = kernel.meters();
       const strikes = kernel.strikes();
       this.port.postMessage(

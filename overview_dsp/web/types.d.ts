@@ -321,8 +321,8 @@ export interface Settings {
 }
 
 type Plain = "title" | "window" | "link" | "latency" | "moment" | "when" | "clock" | "let-go" | "value" | "number" | "unit" | "event"
-  | "strip" | "strip-window" | "stage" | "passed" | "disk" | "torque" | "needle" | "others" | "cursor" | "ring" | "dot"
-  | "finger" | "hint" | "hint-text" | "tools" | "legend" | "zooming" | "summary" | "announcement" | "fault" | "run-text"
+  | "strip" | "strip-window" | "stage" | "at-disk" | "at-input" | "passed" | "disk" | "arc" | "torque" | "needle" | "others" | "cursor" | "ring" | "dot"
+  | "finger" | "pull" | "hint" | "hint-text" | "tools" | "legend" | "zooming" | "summary" | "announcement" | "fault" | "run-text"
   | "events-title" | "events-summary" | "kinds" | "found" | "events-list" | "values-title" | "values-note" | "values-head"
   | "values-rows" | "help-title" | "keys" | "dialog-title" | "more-title" | "motor" | "share-access" | "about" | "marks" | "editor"
   | "editor-title" | "editor-differences" | "editor-difference" | "editor-difference-list" | "editor-rows" | "editor-message" | "film-title";
@@ -336,7 +336,7 @@ export interface Elements
     Record<Button, HTMLButtonElement>,
     Record<"events" | "values" | "help" | "dialog" | "film", HTMLDialogElement>,
     Record<"slider" | "find" | "editor-find" | "share-play" | "share-token" | "editor-name", HTMLInputElement>,
-    Record<"canvas" | "passed-curve" | "pull" | "arc" | "strip-curve", SVGSVGElement> {
+    Record<"canvas" | "passed-curve" | "strip-curve", SVGSVGElement> {
   "values-download": HTMLAnchorElement;
   "settings-form": HTMLFormElement;
   "editor-preset": HTMLSelectElement;

@@ -89,7 +89,7 @@ def test_the_main_threads_work_a_frame_on_a_slow_phone(page):
 
 
 def test_a_drag_moves_parts_and_draws_nothing_again(page):
-    """Transforms, visibility and the arc of the torque change; no curve, mark or label."""
+    """Transforms and visibility of few parts change; no curve, mark or label."""
     page.evaluate("""() => {
         window.changed = new Set();
         new MutationObserver((changes) => {
@@ -103,10 +103,11 @@ def test_a_drag_moves_parts_and_draws_nothing_again(page):
     drag(page, (0.9, 0.2))
     page.mouse.up()
     until(page, "p.input.active === null && p.cursor < 0.05")
-    moving = ["cursor", "dot", "ring", "finger", "pull", "disk", "needle", "passed", "passed-curve"]
-    allowed = {*(f"{one} style" for one in moving), "torque stroke-dasharray", "stage class"}
+    moved = ["at-disk", "at-input", "dot", "ring", "pull", "torque", "needle", "passed-curve"]
+    shown = ["cursor", "finger"]
+    allowed = {*(f"{one} style" for one in moved + shown), "stage class"}
     allowed |= {"slider value", "slider aria-valuetext"}
-    assert "disk style" in page.evaluate("[...changed]")
+    assert "at-disk style" in page.evaluate("[...changed]")
     assert set(page.evaluate("[...changed]")) <= allowed
 
 

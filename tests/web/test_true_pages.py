@@ -28,7 +28,8 @@ SAY = """(positions) => positions.map((position) => {
     p.draw();
     p.slider.show(p.view, p.reading, p.info, Infinity);
     const { geometry: g } = p.picture;
-    const dot = new DOMMatrix(getComputedStyle(document.getElementById("dot")).transform);
+    const moved = (id) => new DOMMatrix(getComputedStyle(document.getElementById(id)).transform);
+    const dot = moved("at-input").multiply(moved("dot"));
     const { event, info } = { event: p.currentEvent, info: p.info };
     return {
         heard: region.textContent.trim(),

@@ -74,6 +74,7 @@ export function fit(view, info, isResized = true) {
   const root = document.documentElement;
   const box = byId("moment");
   const names = /** @type {const} */ (["clock", "number", "unit", "event"]);
+  box.style.contain = "";
   const before = names.map((name) => [...byId(name).childNodes]);
   byId("clock").textContent = found.clock;
   byId("unit").textContent = found.unit;
@@ -94,5 +95,6 @@ export function fit(view, info, isResized = true) {
     if (!isCut && picture >= least && root.scrollHeight <= window.innerHeight) break;
   }
   names.forEach((name, i) => byId(name).replaceChildren(...before[i]));
+  box.style.contain = "strict"; // a new text lays out nothing else
   return true;
 }

@@ -22,7 +22,10 @@ export class Frames {
 
   wake() {
     this.quietFrames = 0;
-    if (this.running) return;
+    if (this.running) {
+      this.read(); // in one message with the movement
+      return;
+    }
     this.running = true;
     requestAnimationFrame(() => this.frame());
   }

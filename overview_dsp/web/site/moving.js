@@ -8,11 +8,12 @@ import { levelAt } from "./layer.js";
 /** @import { Geometry, View } from "../types" */
 
 const NAMES = /** @type {const} */ ([
-  "cursor", "dot", "ring", "finger", "pull", "disk", "needle", "torque", "passed", "passed-curve",
+  "at-disk", "at-input", "cursor", "dot", "ring", "finger", "pull", "disk", "needle", "torque", "passed", "passed-curve",
 ]);
 const LEAST = 1e-3; // position of a disk that was moved
 const PULL = 100; // width (px) of the spring's drawing
-const ARC = 34; // length of the arc at the reference torque, of 100 around the disk
+const ARC = 34; // length of the arc at the reference torque, of 100 around the disk, as in the page
+const TURN = 3.6; // degrees
 
 export class Moving {
   constructor() {
@@ -34,7 +35,6 @@ export class Moving {
     this.parts.finger.style.top = this.parts.pull.style.top = hint.style.top = `${groove}px`;
     hint.style.setProperty("--radius", `${radius}px`);
     disk.style.setProperty("--radius", `${size}px`);
-    disk.style.left = `${dial?.x ?? 0}px`;
     disk.style.top = `${dial?.y ?? groove}px`;
     byId("disk").hidden = still;
     disk.classList.toggle("dial", dial !== null);
@@ -55,35 +55,28 @@ export class Moving {
     const x = g.x(cursor);
     const to = g.x(input);
     const [level, inputLevel] = [levelAt(view, cursor), levelAt(view, input)];
-    this.put("cursor", `translateX(${to.toFixed(1)}px)`);
-    this.put("dot", `translate(${to.toFixed(1)}px, ${g.y(inputLevel ?? 0).toFixed(1)}px)`);
+    this.put("at-disk", `translateX(${x.toFixed(1)}px)`);
+    this.put("at-input", `translateX(${to.toFixed(1)}px)`);
+    this.put("dot", `translateY(${g.y(inputLevel ?? 0).toFixed(1)}px)`);
     this.wasTouched ||= touching || cursor > LEAST;
     this.setVisible("cursor", this.wasTouched);
     this.setVisible("dot", this.wasTouched && inputLevel !== null);
-    this.put("passed", `translateX(${x.toFixed(1)}px)`);
     this.put("passed-curve", `translateX(${(g.width - x).toFixed(1)}px)`);
     if (this.set.get("touching") !== touching) {
       this.set.set("touching", touching);
       byId("stage").classList.toggle("released", !touching);
     }
     this.setVisible("finger", touching || (this.wasTouched && input > 0));
-    this.put("finger", `translateX(${to.toFixed(1)}px)`);
     this.setVisible("pull", touching && !g.still && g.dial === null);
     if (g.still) return;
-    this.put("ring", `translate(${x.toFixed(1)}px, ${g.y(level ?? 0).toFixed(1)}px)`);
+    this.put("ring", `translateY(${g.y(level ?? 0).toFixed(1)}px)`);
     this.setVisible("ring", level !== null);
-    if (touching && g.dial === null) {
-      const width = ((to - x) / PULL).toFixed(3);
-      this.put("pull", `translateX(${x.toFixed(1)}px) scaleX(${width})`);
-    }
-    this.put("disk", g.dial === null ? `translateX(${x.toFixed(1)}px)` : "none");
+    if (touching && g.dial === null) this.put("pull", `scaleX(${((to - x) / PULL).toFixed(3)})`);
+    this.put("disk", g.dial === null ? "none" : `translateX(${(g.dial.x - x).toFixed(1)}px)`);
     this.put("needle", `rotate(${((angleOf(cursor) * 180) / Math.PI).toFixed(1)}deg)`);
     // cube root: shows both the surface and goals
     const length = Math.round(ARC * Math.min(Math.cbrt(Math.abs(torque)), 1));
-    const arc = `${length} 100`;
-    if (this.set.get("arc") === arc) return;
-    this.set.set("arc", arc);
-    this.parts.torque.setAttribute("stroke-dasharray", arc);
+    this.put("torque", `rotate(${((length - ARC) * TURN).toFixed(1)}deg)`);
   }
 
   /**
