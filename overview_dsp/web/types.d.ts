@@ -1,6 +1,14 @@
 // Types that the page's scripts share. site_data.py documents the files of a timeline.
 
 import type { KernelState } from "./kernel_node";
+import type { Announcer } from "./site/announcer.js";
+import type { CombinedInput } from "./site/combined_input.js";
+import type { Data } from "./site/data.js";
+import type { Picture } from "./site/picture.js";
+import type { Playback } from "./site/playback.js";
+import type { Speech } from "./site/speech.js";
+import type { ViewState } from "./site/view_state.js";
+import type { Motor } from "./site/vibration.js";
 
 /** One event of a window; `position` is 0 to 1 within it. */
 export interface TimelineEvent {
@@ -318,6 +326,51 @@ export interface Settings {
   circular: boolean;
   still: boolean;
   start: number;
+}
+
+/** What parts of the page do with it: show an error ("" removes it), draw again, start and pause. */
+export interface PageActions {
+  fault(line: string): void;
+  wake(): void;
+  start(): void;
+  pause(): void;
+}
+
+/** What is read out: position (0 to 1), time (s) and the event there. */
+export interface ReadOut {
+  position: number;
+  moment: number;
+  event: TimelineEvent | null;
+}
+
+interface SharedParts {
+  actions: PageActions;
+  announcer: Announcer;
+  /** Whether a host plays. */
+  atHost: boolean;
+  data: Data;
+  info: Info;
+  input: CombinedInput;
+  settings: Settings;
+  viewState: ViewState;
+}
+
+/** What the features of a server use. */
+export interface ServedParts extends SharedParts {
+  picture: Picture;
+  /** Position of the disk. */
+  cursor(): number;
+  changePreset(before: Preset, after: Preset, surface: boolean): Promise<void>;
+  readOut(): ReadOut;
+}
+
+/** What a live timeline uses. */
+export interface LiveParts extends SharedParts {
+  motor: Motor;
+  playback: Playback;
+  sound: AudioBackend;
+  speech: Speech;
+  showAbout(): void;
 }
 
 type Plain = "title" | "window" | "link" | "latency" | "moment" | "when" | "clock" | "let-go" | "value" | "number" | "unit" | "event"

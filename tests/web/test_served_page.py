@@ -361,7 +361,8 @@ def test_the_place_of_the_finger_is_read_and_watched_after_a_short_drag(
                 assert title == name
             # finger, number and picture show one moment
             until(tab, "p.cursor < 0.001")
-            line = tab.evaluate("new DOMMatrix(getComputedStyle(cursor).transform).e")
+            moved = "getComputedStyle(document.getElementById('at-input')).transform"
+            line = tab.evaluate(f"new DOMMatrix({moved}).e")
             assert line == pytest.approx(x - tab.locator("#canvas").bounding_box()["x"], abs=3.0)
 
 

@@ -106,6 +106,7 @@ export function shortEvent({ kind, label, change }, info) {
  * @returns {TimelineEvent | null}
  */
 export function eventAt(view, position) {
+  /** @type {TimelineEvent | null} */
   let nearest = null;
   for (const event of view.events) {
     const away = Math.abs(event.position - position);

@@ -4,15 +4,18 @@
 import { byId } from "./dom.js";
 import { eventText, positionText } from "./descriptions.js";
 
-/** @import { Page } from "./page.js" */
+/** @import { Info, ReadOut, TimelineEvent, View } from "../types" */
 
 const COLOURS = ["ink", "paper", "soft", "groove"];
 const SLOP_PX = 6; // movement that tells a drag from a swipe of the article
 
-/** @param {Page} page */
-export function embed(page) {
+/**
+ * Follow and report to the article; return what the page calls for each passed event, and at each frame.
+ * `redraw()` draws the picture again, `readOut()` is what the page reads out of `view()`.
+ * @param {{ info: Info, redraw: () => void, readOut: () => ReadOut, view: () => View }} parts
+ */
+export function embed({ info, redraw, readOut, view }) {
   const root = document.documentElement;
-  const { info } = page;
 
   /** @param {string} name @param {object} detail */
   const report = (name, detail) => window.parent.postMessage({ overview: name, ...detail }, "*");
@@ -27,18 +30,18 @@ export function embed(page) {
       if (colour !== null && window.CSS.supports("color", colour)) root.style.setProperty(`--${name}`, colour);
       else root.style.removeProperty(`--${name}`);
     }
-    page.picture.redraw();
-    page.wake();
+    redraw();
   };
 
   let last = -1;
-  page.onmove = () => {
-    const { reading, moment, view } = page;
-    if (reading === last) return;
-    last = reading;
-    report("move", { position: reading, time_s: moment, text: positionText(view, reading, info) });
+  const onmove = () => {
+    const { position, moment } = readOut();
+    if (position === last) return;
+    last = position;
+    report("move", { position, time_s: moment, text: positionText(view(), position, info) });
   };
-  page.onenter = (event) => {
+  /** @param {TimelineEvent} event */
+  const onenter = (event) => {
     const { kind, label, time_s } = event;
     report("enter", { kind, label, time_s, text: eventText(event, info) });
   };
@@ -50,6 +53,7 @@ export function embed(page) {
   new ResizeObserver(() => {
     report("height", { height: root.scrollHeight > window.innerHeight + 1 ? root.scrollHeight : 0 });
   }).observe(document.body);
+  return { onenter, onmove };
 }
 
 /**

@@ -1,33 +1,33 @@
-// Event listeners of the page: pointers, keys, buttons, settings and browser changes.
+// Event listeners of the page: stage and slider, buttons, and what the browser changes.
 
 import { byId, made, on } from "./dom.js";
-import { EventList } from "./event_list.js";
 import { listenToKeys } from "./keys.js";
-import { bindSettings } from "./settings.js";
 import { listenToTouch } from "./touch.js";
 import { HELP } from "./page_words.js";
 
-/** @import { Elements, TimelineEvent } from "../types" */
-/** @import { Page } from "./page.js" */
+/** @import { Elements } from "../types" */
+/** @import { CombinedInput } from "./combined_input.js" */
+/** @import { Navigation } from "./navigation.js" */
+/** @import { Picture } from "./picture.js" */
+/** @import { Pinch } from "./pinch.js" */
+/** @import { ViewState } from "./view_state.js" */
 
 /**
- * Add the listeners of a page and return its list of events.
- * @param {Page} page
+ * Let pointers, wheel, keys and screen readers move the input; `start()` is called before each of them.
+ * @param {{ input: CombinedInput, navigation: Navigation, picture: Picture, pinch: Pinch, viewState: ViewState,
+ *   start: () => void, open: (name: string) => void, ontap: (x: number, y: number) => void,
+ *   reading: () => number }} parts
  */
-export function listen(page) {
+export function listenToStage({ input, navigation, picture, pinch, viewState, start, open, ontap, reading }) {
   const element = byId("stage");
   const slider = byId("slider");
-  const { input, viewState, navigation } = page;
-  const onfirst = () => page.start();
   listenToTouch(element, input, {
-    positionOf: (event, begins) => page.picture.positionUnder(event, begins),
-    ontap: (x, y) => page.onTap(x, y),
-    onpinch: (factor, x, over) => page.pinch.to(factor, x, over),
-    onfirst,
+    positionOf: (event, begins) => picture.positionUnder(event, begins),
+    ontap,
+    onpinch: (factor, x, over) => pinch.to(factor, x, over),
+    onfirst: start,
   });
-  /** @type {((event: TimelineEvent) => void) | null} */
-  const watch = page.film === null ? null : (event) => page.served?.watch(event);
-  listenToKeys(slider, { navigation, open: (name) => page.open(name) }, onfirst);
+  listenToKeys(slider, { navigation, open }, start);
   slider.addEventListener("focus", () => navigation.speakSummary());
   // a pointer needs no frame around the picture, keys do
   const setPointing = (/** @type {boolean} */ isPointing) => element.classList.toggle("pointing", isPointing);
@@ -41,76 +41,58 @@ export function listen(page) {
   element.addEventListener("pointerup", ({ button }) => button === 0 && input.release("keys"));
   // a screen reader changes the value by gestures
   slider.addEventListener("input", () => {
-    page.start();
-    navigation.step(Math.sign(Number(slider.value) / 100 - page.reading));
+    start();
+    navigation.step(Math.sign(Number(slider.value) / 100 - reading()));
   });
   element.addEventListener("wheel", (/** @type {WheelEvent} */ event) => {
     event.preventDefault();
     viewState.wheel(event);
   }, { passive: false });
-  /** @type {(id: keyof Elements, act: () => void) => void} */
-  const click = (id, act) => on(id, "click", () => {
-    page.start();
+}
+
+/**
+ * Connect the buttons: `acts` by their id, those of `starting` start the sound first; buttons that name another
+ * by `data-does` click it, or act by `moves`.
+ * @param {{ starting: Partial<Record<keyof Elements, () => void>>, acts: Partial<Record<keyof Elements, () => void>>,
+ *   moves: Record<string, () => void>, start: () => void }} parts
+ */
+export function listenToButtons({ starting, acts, moves, start }) {
+  const startAnd = (/** @type {() => void} */ act) => () => {
+    start();
     act();
-  });
-  /** @type {(direction: number) => unknown} */
-  const step = (direction) =>
-    (page.settings.steps === "values" && page.info.series
-      ? navigation.toValue(direction) : navigation.toEvent(direction));
-  click("previous", () => step(-1));
-  click("next", () => step(1));
-  click("run", () => page.playback.toggle());
-  click("list", () => page.open("events"));
-  on("twist", "click", () => {
-    byId("dialog").close();
-    page.toggleTwist();
-  });
-  on("in", "click", () => navigation.zoom(1));
-  on("out", "click", () => navigation.zoom(-1));
-  on("whole", "click", () => navigation.showWhole());
-  on("all-values", "click", () => {
-    byId("dialog").close();
-    page.openValues();
-  });
-  /** @type {Record<string, () => void>} */
-  const moves = { tap: () => navigation.tap(), release: () => navigation.release() };
+  };
+  const entries = [
+    ...Object.entries(starting).map(([id, act]) => [id, startAnd(act)]), ...Object.entries(acts),
+  ];
+  for (const [id, act] of /** @type {[keyof Elements, () => void][]} */ (entries)) on(id, "click", act);
   // also buttons that have no room on a small screen
   for (const button of /** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll("[data-does]"))) {
     button.addEventListener("click", () => {
       byId("dialog").close();
       const name = button.dataset.does ?? "";
-      page.start();
+      start();
       if (Object.hasOwn(moves, name)) moves[name]();
       else document.getElementById(name)?.click();
     });
   }
-  on("settings", "click", () => byId("dialog").showModal());
   const terms = HELP.flatMap(([keys, act]) => [made("dt", {}, keys), made("dd", {}, act)]);
   byId("keys").replaceChildren(...terms);
-  on("calibrate", "click", () => page.calibrate());
-  bindSettings(byId("settings-form"), page.settings, () => page.apply());
-  document.addEventListener("visibilitychange", () => {
-    if (!document.hidden) page.resume();
-    else if (!page.twist.on) page.pause();
-  });
-  window.addEventListener("pagehide", () => page.pause());
-  new ResizeObserver(() => {
-    page.picture.resize();
-    viewState.resize();
-    page.wake();
-  }).observe(byId("canvas"));
-  // the window and the size of the text
-  const resized = new ResizeObserver(() => page.fit());
+  for (const button of document.querySelectorAll("nav > button")) button.removeAttribute("disabled");
+}
+
+/**
+ * Follow the browser: `onhide()` and `onshow()` of the page, the size of the picture (`onpicture`) and of window or
+ * text (`onsize`), scrolling, and a change of colours.
+ * @param {Record<"onhide" | "onshow" | "onleave" | "onpicture" | "onsize" | "onscroll" | "oncolours",
+ *   () => void>} parts
+ */
+export function listenToBrowser({ onhide, onshow, onleave, onpicture, onsize, onscroll, oncolours }) {
+  document.addEventListener("visibilitychange", () => (document.hidden ? onhide() : onshow()));
+  window.addEventListener("pagehide", onleave);
+  new ResizeObserver(onpicture).observe(byId("canvas"));
+  const resized = new ResizeObserver(onsize);
   for (const one of document.querySelectorAll("html, nav")) resized.observe(one);
   // with large text the page may scroll before a touch
-  document.addEventListener("scroll", () => page.picture.locate(), { passive: true });
-  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => {
-    page.picture.redraw();
-    page.strip.draw();
-    page.wake();
-  });
-  for (const button of document.querySelectorAll("nav > button")) button.removeAttribute("disabled");
-  return new EventList(page.info, navigation, {
-    go: (event) => page.goToEvent(event), watch, hidden: page.picture.hidden, toggle: (kind) => page.toggleKind(kind),
-  });
+  document.addEventListener("scroll", onscroll, { passive: true });
+  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", oncolours);
 }

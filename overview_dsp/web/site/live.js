@@ -9,8 +9,7 @@ import { unpacked } from "./unpack.js";
 import { eventText } from "./descriptions.js";
 import { NEW, WITHDRAWN } from "./page_words.js";
 
-/** @import { LiveInfo, NewVersion, Notice, Update, View, Window } from "../types" */
-/** @import { Page } from "./page.js" */
+/** @import { LiveInfo, LiveParts, NewVersion, Notice, Update, View, Window } from "../types" */
 
 const RATIO = 3; // as in site_data.py
 const NARROWEST_S = 0.5;
@@ -62,11 +61,11 @@ const bytesOf = (base64) => Uint8Array.from(atob(base64), (one) => one.charCodeA
 
 export class Live {
   /**
-   * @param {Page} page
+   * @param {LiveParts} parts
    * @param {LiveInfo} live
    */
-  constructor(page, { levels, version, poll_s }) {
-    this.page = page;
+  constructor(parts, { levels, version, poll_s }) {
+    this.parts = parts;
     this.levels = levels;
     this.loadedVersion = -1; // version of `bytes`
     /** @type {Promise<ArrayBuffer | null>} */
@@ -76,12 +75,12 @@ export class Live {
     /** @type {Notice | null} */
     this.notice = null; // newest notice
     this.busy = false;
-    page.data.usesFiles = false; // the files are of an earlier version
+    parts.data.usesFiles = false; // the files are of an earlier version
     this.line = made("p", { id: "live" });
     this.line.setAttribute("role", "status");
     byId("window").after(this.line);
-    this.missed = new MissedEvents(page, this.line);
-    const { input } = page;
+    this.missed = new MissedEvents(parts, this.line);
+    const { input } = parts;
     const { onchange } = input;
     input.onchange = () => {
       onchange?.();
@@ -89,7 +88,7 @@ export class Live {
       if (input.active === null) this.update();
     };
     this.seenVersion = version; // newest version whose changes were announced
-    this.rate = page.atHost ? 0 : null; // null: unknown while the page is silent
+    this.rate = parts.atHost ? 0 : null; // null: unknown while the page is silent
     this.polls = poll_s !== undefined; // a static folder: no server makes windows or patches
     if (poll_s === undefined) this.listen();
     else this.poll(poll_s);
@@ -120,7 +119,7 @@ export class Live {
         if (notice.version !== this.notice?.version) this.onNotice(notice);
       }
     } catch (error) {
-      this.page.fault(error.message);
+      this.parts.actions.fault(error.message);
     }
     setTimeout(() => this.poll(seconds), seconds * 1000);
   }
@@ -128,25 +127,25 @@ export class Live {
   /** @param {Notice} notice */
   onNotice(notice) {
     this.notice = notice;
-    const { page } = this;
+    const { info, input, motor, settings, speech } = this.parts;
     /** @type {string[]} */
     const lines = [];
     for (const { action, kind, label, change, time_s, pattern } of notice.changes.filter((one) => one.version > this.seenVersion)) {
       const event = { kind, label, change, time_s };
-      const isKnown = page.info.kinds[kind] !== undefined;
-      const text = isKnown ? eventText(event, page.info) : `${kind.replaceAll("_", " ")} ${label}`;
+      const isKnown = info.kinds[kind] !== undefined;
+      const text = isKnown ? eventText(event, info) : `${kind.replaceAll("_", " ")} ${label}`;
       this.missed.change(action, event);
       const word = action === "added" ? NEW : WITHDRAWN;
       lines.push(kind === "withdrawn_goal" ? text : word + text);
-      const { output, vibration } = page.settings;
-      if (action === "added" && output === "motor" && vibration && page.input.active === null) {
-        page.motor.play([pattern], 0, performance.now());
+      const { output, vibration } = settings;
+      if (action === "added" && output === "motor" && vibration && input.active === null) {
+        motor.play([pattern], 0, performance.now());
       }
     }
     this.seenVersion = notice.version;
     const newest = lines.slice(-1);
     this.line.textContent = [notice.status_text, ...newest].join(" · ");
-    newest.forEach((line) => page.speech.speak(line));
+    newest.forEach((line) => speech.speak(line));
     if (notice.update) this.storeUpdate(parsed(bytesOf(notice.update)));
     this.update();
   }
@@ -159,20 +158,20 @@ export class Live {
 
   /** Apply the newest version, unless the disk is touched; then after the release. */
   async update() {
-    const { page } = this;
+    const { actions, input } = this.parts;
     const hasUpdate = this.pending !== null || this.missingVersion !== null;
-    if (this.busy || document.hidden || !hasUpdate || page.input.active !== null) return;
+    if (this.busy || document.hidden || !hasUpdate || input.active !== null) return;
     this.busy = true;
     try {
-      while (page.input.active === null) {
+      while (input.active === null) {
         const version = this.missingVersion;
         if (this.pending === null && version !== null) await this.fetch(version);
         if (this.pending === null) break;
         await this.show(this.pending);
       }
-      page.fault("");
+      actions.fault("");
     } catch (error) {
-      page.fault(error.message);
+      actions.fault(error.message);
     } finally {
       this.busy = false;
     }
@@ -180,7 +179,7 @@ export class Live {
 
   /** @param {number} version */
   async fetch(version) {
-    const { sound } = this.page;
+    const { sound } = this.parts;
     await sound.load(); // the change applies to the initial memory
     const { rate } = sound;
     const path = this.polls
@@ -205,8 +204,7 @@ export class Live {
 
   /** @param {NewVersion} pending */
   async show(pending) {
-    const { page } = this;
-    const { data, viewState, sound } = page;
+    const { atHost, data, input, sound, viewState } = this.parts;
     const { info, view } = pending;
     const windows = windowsOf(info.duration_s, this.levels);
     const whole = { number: 0, zoom: 0, start_s: 0, end_s: info.duration_s };
@@ -219,16 +217,16 @@ export class Live {
       wasWhole && data.preset === null
         ? [latest, () => changed && sound.change(changed.slice(0))]
         : await Promise.all([data.view(part), sound.show(part)]);
-    if (page.input.active !== null) return; // a touched disk keeps its data
+    if (input.active !== null) return; // a touched disk keeps its data
     if (this.pending === pending) this.pending = null;
     data.allPoints = null; // values of the earlier version
     if (this.polls) data.pointsFile = `live/${this.loadedVersion}-points.json`;
-    Object.assign(page.info, info, { windows, title: readableTitle(info.title) });
+    Object.assign(this.parts.info, info, { windows, title: readableTitle(info.title) });
     viewState.windows = windows;
-    if (!page.atHost) apply();
+    if (!atHost) apply();
     viewState.soundingPart = part;
     viewState.setView(drawn);
     viewState.updateControls();
-    page.showAbout();
+    this.parts.showAbout();
   }
 }

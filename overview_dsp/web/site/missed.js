@@ -5,7 +5,7 @@ import { positionAt } from "./angle_map.js";
 import { eventText } from "./descriptions.js";
 import { missed } from "./page_words.js";
 
-/** @import { Page } from "./page.js" */
+/** @import { LiveParts } from "../types" */
 /** @typedef {{ kind: string, label: string, change?: [number, string], time_s: number }} NewEvent */
 
 const REST_MS = 1000; // time at each event, in which the disk arrives and rests
@@ -14,16 +14,16 @@ const BEYOND = 0.012; // distance beyond an event, so that the disk passes it
 export class MissedEvents {
   /**
    * `line` is the status line of the live timeline, which the button follows.
-   * @param {Page} page
+   * @param {LiveParts} parts
    * @param {HTMLElement} line
    */
-  constructor(page, line) {
-    this.page = page;
+  constructor(parts, line) {
+    this.parts = parts;
     /** @type {NewEvent[]} */
     this.events = [];
     this.visiting = false;
     this.wasTouched = false;
-    this.button = button("", () => this.page.playback.whenReady(() => this.visit()));
+    this.button = button("", () => parts.playback.whenReady(() => this.visit()));
     this.button.id = "missed";
     line.after(this.button);
     this.show();
@@ -48,7 +48,7 @@ export class MissedEvents {
 
   /** Forget the events at the end of a touch: the person was here. */
   afterInput() {
-    const touched = this.page.input.active !== null;
+    const touched = this.parts.input.active !== null;
     if (this.wasTouched && !touched && !this.visiting) {
       this.events = [];
       this.show();
@@ -58,18 +58,17 @@ export class MissedEvents {
 
   /** Touch each event in order of time; another input ends the visit. */
   async visit() {
-    const { page } = this;
-    const { input, viewState, announcer } = page;
+    const { info, input, viewState, announcer, speech, actions } = this.parts;
     const events = [...this.events].sort((one, other) => one.time_s - other.time_s);
     this.visiting = true;
     this.show();
     await viewState.showWhole();
     for (const event of events) {
       input.touchAgain("play", positionAt(viewState.view, event.time_s) + BEYOND);
-      const text = eventText(event, page.info);
+      const text = eventText(event, info);
       announcer.say(text);
-      page.speech.speak(text);
-      page.wake();
+      speech.speak(text);
+      actions.wake();
       await new Promise((resolve) => setTimeout(resolve, REST_MS));
       if (input.active !== "play") break;
     }

@@ -8,12 +8,13 @@ import { byId, made } from "./dom.js";
 import { fit } from "./fit.js";
 import { Frames } from "./frames.js";
 import { CombinedInput } from "./combined_input.js";
-import { listen } from "./listening.js";
+import { EventList } from "./event_list.js";
+import { listenToBrowser, listenToButtons, listenToStage } from "./listening.js";
 import { keepOffline } from "./offline.js";
 import { chipsOf, fitLegend, listedKinds, showLegend, showTitle } from "./legend.js";
 import { Pinch } from "./pinch.js";
 import { Playback } from "./playback.js";
-import { saveSettings, loadSettings } from "./settings.js";
+import { bindSettings, saveSettings, loadSettings } from "./settings.js";
 import { ViewState } from "./view_state.js";
 import { Slider } from "./slider.js";
 import { Sound } from "./sound.js";
@@ -31,7 +32,7 @@ import {
   TWIST_OFF, TWIST_ON,
 } from "./page_words.js";
 
-/** @import { Preset, AudioBackend, TimelineEvent, DiskState } from "../types" */
+/** @import { AudioBackend, DiskState, PageActions, Preset, ReadOut, ServedParts, TimelineEvent } from "../types" */
 /** @import { AllValues } from "./all_values.js" */
 /** @import { Data } from "./data.js" */
 /** @import { Picture } from "./picture.js" */
@@ -73,7 +74,15 @@ export class Page {
     this.pinch = new Pinch(this.viewState, picture, data);
     this.navigation = new Navigation(this.input, this.viewState, this.speech, this.announcer, this.info);
     this.frames = new Frames(sound, () => this.draw(), (meters) => this.update(meters));
-    this.playback = new Playback(this);
+    /** @type {PageActions} */
+    this.actions = {
+      fault: (line) => this.fault(line), wake: () => this.wake(), start: () => this.start(), pause: () => this.pause(),
+    };
+    this.playback = new Playback({
+      info: this.info, input: this.input, settings: this.settings, sound, viewState: this.viewState, strip: this.strip,
+      announcer: this.announcer, actions: this.actions, goTo: (position) => this.goTo(position),
+      readOut: () => this.readOut, editor: () => this.editor,
+    });
     /** @type {Served | null} */
     this.served = null;
     /** @type {DiskState | null} */
@@ -100,8 +109,8 @@ export class Page {
   }
 
   /**
-   * `serve(page)` creates the features that need a server; null in a static folder.
-   * @param {((page: Page) => Served) | null} serve
+   * `serve(parts)` creates the features that need a server; null in a static folder.
+   * @param {((parts: ServedParts) => Served) | null} serve
    */
   begin(serve) {
     document.documentElement.classList.toggle("host", this.atHost);
@@ -110,18 +119,78 @@ export class Page {
     this.viewState.begin(soundingPart).catch((error) => this.fault(error.message));
     this.apply();
     this.showAbout();
-    this.served = serve && serve(this);
-    this.list = listen(this);
+    const { actions, announcer, atHost, data, info, input, picture, settings, viewState } = this;
+    this.served = serve && serve({
+      actions, announcer, atHost, data, info, input, picture, settings, viewState, cursor: () => this.cursor,
+      changePreset: (before, after, surface) => this.changePreset(before, after, surface), readOut: () => this.readOut,
+    });
+    this.listen();
     this.wake();
+  }
+
+  /** Add the listeners and the list of events. */
+  listen() {
+    const { actions: { start }, input, navigation, picture, pinch, viewState } = this;
+    listenToStage({
+      input, navigation, picture, pinch, viewState, start, open: (name) => this.open(name),
+      ontap: (x, y) => this.onTap(x, y), reading: () => this.reading,
+    });
+    const isValues = () => this.settings.steps === "values" && this.info.series !== null;
+    const step = (/** @type {number} */ direction) =>
+      (isValues() ? navigation.toValue(direction) : navigation.toEvent(direction));
+    const closed = (/** @type {() => void} */ act) => () => {
+      byId("dialog").close();
+      act();
+    };
+    listenToButtons({
+      start,
+      starting: {
+        previous: () => step(-1), next: () => step(1), run: () => this.playback.toggle(),
+        list: () => this.open("events"),
+      },
+      acts: {
+        in: () => navigation.zoom(1), out: () => navigation.zoom(-1), whole: () => navigation.showWhole(),
+        twist: closed(() => this.toggleTwist()), "all-values": closed(() => this.openValues()),
+        settings: () => byId("dialog").showModal(), calibrate: () => this.calibrate(),
+      },
+      moves: { tap: () => navigation.tap(), release: () => navigation.release() },
+    });
+    bindSettings(byId("settings-form"), this.settings, () => this.apply());
+    listenToBrowser({
+      onhide: () => this.twist.on || this.pause(),
+      onshow: () => this.resume(),
+      onleave: () => this.pause(),
+      onpicture: () => {
+        picture.resize();
+        viewState.resize();
+        this.wake();
+      },
+      onsize: () => this.fit(),
+      onscroll: () => picture.locate(),
+      oncolours: () => {
+        picture.redraw();
+        this.strip.draw();
+        this.wake();
+      },
+    });
+    this.list = new EventList(this.info, navigation, {
+      go: (event) => this.goToEvent(event), watch: this.film && ((event) => this.served?.watch(event)),
+      hidden: picture.hidden, toggle: (kind) => this.toggleKind(kind),
+    });
   }
 
   /** Load the sound, show that it loads, then follow the URL. */
   async load() {
     await this.sound.load();
     byId("hint-text").replaceChildren(DRAG_HERE, made("span", { className: "wide" }, TO_FEEL_IT));
-    if (this.info.live) {
+    const { live } = this.info;
+    if (live) {
       const { Live } = await import("./live.js");
-      this.live = new Live(this, this.info.live);
+      const { actions, announcer, atHost, data, info, input, motor, playback, settings, sound, speech } = this;
+      this.live = new Live({
+        actions, announcer, atHost, data, info, input, motor, playback, settings, sound, speech,
+        viewState: this.viewState, showAbout: () => this.showAbout(),
+      }, live);
     }
     await this.playback.follow(readAddress());
     window.addEventListener("hashchange", () => this.playback.followChange());
@@ -138,6 +207,11 @@ export class Page {
 
   get moment() {
     return secondsAt(this.view, this.reading);
+  }
+
+  /** What is read out: position, time and event. @returns {ReadOut} */
+  get readOut() {
+    return { position: this.reading, moment: this.moment, event: this.currentEvent };
   }
 
   get film() {
@@ -436,7 +510,13 @@ export async function begin(data, picture) {
   page.begin(served && served.serve);
   /** @type {any} */ (window).overview = page;
   if (window.parent !== window && location.hash.includes("embed=")) {
-    (await import("./embedded.js")).embed(page);
+    const { onenter, onmove } = (await import("./embedded.js")).embed({
+      info: page.info, readOut: () => page.readOut, view: () => page.view, redraw: () => {
+        page.picture.redraw();
+        page.wake();
+      },
+    });
+    [page.onenter, page.onmove] = [onenter, onmove];
   }
   await page.load();
   if (!server) keepOffline();

@@ -140,6 +140,7 @@ export class Picture {
    */
   markAt(clientX, clientY) {
     const { geometry, view, info } = this;
+    /** @type {TimelineEvent | null} */
     let nearest = null;
     let least = FINGER_PX;
     for (const event of view.events) {

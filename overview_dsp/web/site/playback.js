@@ -1,6 +1,7 @@
 // Play, Share, and the actions of the URL.
 
 import { eventName, linkTo, momentAt, readAddress } from "./address.js";
+import { positionAt } from "./angle_map.js";
 import { byId, on } from "./dom.js";
 import { gestureOf, Player, gestureText, SWEEP } from "./player.js";
 import { partBetween, partContaining } from "./windows.js";
@@ -12,8 +13,12 @@ import {
 } from "./page_words.js";
 import { fromTo } from "./words.js";
 
-/** @import { Gesture, Part } from "../types" */
-/** @import { Page } from "./page.js" */
+/** @import { AudioBackend, Gesture, Info, PageActions, Part, ReadOut, Settings } from "../types" */
+/** @import { Announcer } from "./announcer.js" */
+/** @import { CombinedInput } from "./combined_input.js" */
+/** @import { PresetEditor } from "./preset_editor.js" */
+/** @import { Strip } from "./strip.js" */
+/** @import { ViewState } from "./view_state.js" */
 
 const LOOPBACK = /^(localhost|127\..*|\[::1\])$/;
 const SHARED_MS = 3000;
@@ -21,29 +26,34 @@ const PLAY_ICON = "M8 5v14l11-7z"; // as in index.html
 const PAUSE_ICON = "M7 5h3v14H7zM14 5h3v14h-3z";
 
 export class Playback {
-  /** @param {Page} page */
-  constructor(page) {
-    this.page = page;
+  /**
+   * `goTo(position)` moves the input; `readOut()` is what the page reads out, `editor()` the editor of a server.
+   * @param {{ info: Info, input: CombinedInput, settings: Settings, sound: AudioBackend, viewState: ViewState,
+   *   strip: Strip, announcer: Announcer, actions: PageActions, goTo: (position: number) => void,
+   *   readOut: () => ReadOut, editor: () => PresetEditor | null }} parts
+   */
+  constructor(parts) {
+    const { input, announcer, actions } = this.parts = parts;
     /** @type {Gesture | null} */
     this.linkedGesture = null; // gesture of the URL
-    this.player = new Player(page.input, (sweep, isEnd) => {
+    this.player = new Player(input, (sweep, isEnd) => {
       byId("run-text").textContent = sweep ? PAUSE : PLAY;
       byId("run").querySelector("path")?.setAttribute("d", sweep ? PAUSE_ICON : PLAY_ICON);
       const stopped = isEnd ? ENDED : PAUSED;
-      page.announcer.say(sweep ? playing(sweep.seconds) : stopped);
-      page.wake();
+      announcer.say(sweep ? playing(sweep.seconds) : stopped);
+      actions.wake();
     });
     on("share", "click", () => this.share());
   }
 
   /** The gesture that Play plays: that of the URL, or a sweep. */
   get gesture() {
-    return this.linkedGesture ?? gestureOf(`sweep:${this.page.settings.sweep}`) ?? SWEEP;
+    return this.linkedGesture ?? gestureOf(`sweep:${this.parts.settings.sweep}`) ?? SWEEP;
   }
 
   toggle() {
-    const { player, page } = this;
-    page.start();
+    const { player } = this;
+    this.parts.actions.start();
     byId("run").classList.remove("offered");
     if (player.playing) player.pause();
     else this.whenReady(() => player.play(this.gesture));
@@ -54,10 +64,10 @@ export class Playback {
    * @param {() => void} act
    */
   async whenReady(act) {
-    const { sound } = this.page;
+    const { sound, actions } = this.parts;
     await sound.load();
     await sound.resume();
-    this.page.wake();
+    actions.wake();
     act();
   }
 
@@ -79,7 +89,7 @@ export class Playback {
         faults.push(error.message);
       }
     }
-    if (faults.length > 0) this.page.fault(faults.join("; "));
+    if (faults.length > 0) this.parts.actions.fault(faults.join("; "));
   }
 
   /** Follow another link that was opened in this page. */
@@ -87,17 +97,18 @@ export class Playback {
     try {
       await openSession();
     } catch (error) {
-      this.page.fault(error.message);
+      this.parts.actions.fault(error.message);
       return;
     }
-    this.page.fault("");
+    this.parts.actions.fault("");
     await this.follow(readAddress());
   }
 
   /** @param {string} preset */
   async usePreset(preset) {
-    const { info, served } = this.page;
-    if (served) await served.editor.use(preset);
+    const { info } = this.parts;
+    const editor = this.parts.editor();
+    if (editor) await editor.use(preset);
     else if (preset !== info.preset) {
       throw new Error(noPreset(preset, info.preset));
     }
@@ -105,7 +116,7 @@ export class Playback {
 
   /** @param {string} text START:END in s */
   async showWindow(text) {
-    const { windows, duration_s, server } = this.page.info;
+    const { windows, duration_s, server } = this.parts.info;
     const fields = text.split(":");
     const [start, end] = fields.map(Number);
     if (fields.length !== 2 || fields.includes("") || !(start >= 0 && end > start && end <= duration_s)) {
@@ -120,7 +131,7 @@ export class Playback {
    * @param {Part} part
    */
   async show(part) {
-    const { viewState } = this.page;
+    const { viewState } = this.parts;
     await viewState.change;
     await viewState.go(part);
   }
@@ -131,23 +142,23 @@ export class Playback {
    * @param {string | null} window
    */
   async goTo(at, window) {
-    const { page } = this;
-    const { windows, duration_s } = page.info;
+    const { info, strip, viewState } = this.parts;
+    const { windows, duration_s } = info;
     const whole = partBetween(windows, [0, duration_s]);
-    const moment = momentAt(at, page.strip.whole.events);
+    const moment = momentAt(at, strip.whole.events);
     if (moment === null) throw new Error(unknownPosition(at));
-    const text = momentText(moment, page.info);
+    const text = momentText(moment, info);
     if (moment > duration_s) {
-      throw new Error(afterEnd(at, text, momentText(duration_s, page.info)));
+      throw new Error(afterEnd(at, text, momentText(duration_s, info)));
     }
-    const isOutside = () => moment < page.view.start_s || moment > page.view.end_s;
+    const isOutside = () => moment < viewState.view.start_s || moment > viewState.view.end_s;
     if (isOutside() && !window) await this.show(whole);
     if (isOutside()) {
-      const { start_s, end_s } = page.view;
-      const ends = [start_s, end_s].map((one) => momentText(one, page.info));
+      const { start_s, end_s } = viewState.view;
+      const ends = [start_s, end_s].map((one) => momentText(one, info));
       throw new Error(outsideWindow(at, text, fromTo(ends[0], ends[1])));
     }
-    page.goTo(page.positionAt(moment));
+    this.parts.goTo(positionAt(viewState.view, moment));
   }
 
   /**
@@ -166,14 +177,14 @@ export class Playback {
 
   /** Share a link to this position and window; with the gesture and the server's token if chosen. */
   async share() {
-    const { page } = this;
-    const { view, info, currentEvent, moment } = page;
+    const { info, strip, viewState: { view }, actions } = this.parts;
+    const { event, moment } = this.parts.readOut();
     const button = byId("share");
     try {
       const address = linkTo({
-        at: currentEvent ? eventName(currentEvent, page.strip.whole.events) : String(Math.round(moment)),
+        at: event ? eventName(event, strip.whole.events) : String(Math.round(moment)),
         window: view.zoom > 0 ? `${view.start_s}:${view.end_s}` : null,
-        preset: page.editor?.playing?.name ?? null,
+        preset: this.parts.editor()?.playing?.name ?? null,
         play: byId("share-play").checked ? gestureText(this.gesture) : null,
         token: byId("share-token").checked ? accessToken() : null,
       });
@@ -184,10 +195,10 @@ export class Playback {
         button.textContent = hasSheet ? SHARED : COPIED;
         if (LOOPBACK.test(location.hostname)) button.textContent += THIS_COMPUTER;
       } catch (error) {
-        if (error.name !== "AbortError") page.fault(cannotShare(address));
+        if (error.name !== "AbortError") actions.fault(cannotShare(address));
       }
     } catch (error) {
-      page.fault(error.message);
+      actions.fault(error.message);
     }
     setTimeout(() => (button.textContent = SHARE), SHARED_MS);
   }

@@ -1,7 +1,6 @@
 // The served preset: the page applies each change of its file. The browser reconnects by itself.
 
-/** @import { Preset } from "../types" */
-/** @import { Page } from "./page.js" */
+/** @import { Preset, ServedParts } from "../types" */
 /** @import { PresetEditor } from "./preset_editor.js" */
 
 /** @param {Preset | null} preset */
@@ -9,11 +8,11 @@ const keyOf = (preset) => JSON.stringify(preset);
 
 export class PresetLink {
   /**
-   * @param {Page} page
+   * @param {ServedParts} parts
    * @param {PresetEditor} editor
    */
-  constructor(page, editor) {
-    this.page = page;
+  constructor(parts, editor) {
+    this.parts = parts;
     this.editor = editor;
     /** @type {Preset | null} */
     this.preset = null; // the last preset that the server sent
@@ -23,20 +22,20 @@ export class PresetLink {
     this.lostState = null; // what was reported, a `readyState`; null: connected
     this.source.onerror = () => this.onLost();
     this.source.onopen = () => this.onReconnect();
-    this.source.addEventListener("refused", ({ data }) => page.fault(JSON.parse(data)));
+    this.source.addEventListener("refused", ({ data }) => parts.actions.fault(JSON.parse(data)));
   }
 
   /** Report each state once in which the server can't be reached. */
   onLost() {
     if (this.lostState === this.source.readyState) return;
     this.lostState = this.source.readyState;
-    this.page.fault(this.lostState === EventSource.CLOSED
+    this.parts.actions.fault(this.lostState === EventSource.CLOSED
       ? "the server no longer accepts this page: open the URL printed last"
       : "the server can't be reached: this page keeps working and reconnects");
   }
 
   onReconnect() {
-    if (this.lostState !== null) this.page.fault("");
+    if (this.lostState !== null) this.parts.actions.fault("");
     this.lostState = null;
   }
 
@@ -45,21 +44,22 @@ export class PresetLink {
     const before = this.preset;
     this.preset = after;
     if (before === null || keyOf(before) === keyOf(after)) return;
-    const { page, editor } = this;
+    const { editor } = this;
+    const { actions, atHost, changePreset, data, viewState } = this.parts;
     try {
-      if (page.atHost) {
-        page.data.preset = after;
-        page.viewState.drawAgain();
+      if (atHost) {
+        data.preset = after;
+        viewState.drawAgain();
       }
       if (editor.open) {
-        await editor.addSavedPreset(after, page.atHost);
+        await editor.addSavedPreset(after, atHost);
       } else {
-        if (!page.atHost) await page.changePreset(page.data.preset ?? before, after, true);
+        if (!atHost) await changePreset(data.preset ?? before, after, true);
         editor.reset();
       }
-      page.fault("");
+      actions.fault("");
     } catch (error) {
-      page.fault(error.message);
+      actions.fault(error.message);
     }
   }
 }

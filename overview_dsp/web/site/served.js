@@ -1,6 +1,5 @@
 // Features that need a server: film, preset editor, and control of a host's disk.
 
-import { secondsAt } from "./angle_map.js";
 import { PresetEditor } from "./preset_editor.js";
 import { byId, made, on } from "./dom.js";
 import { MediaPlayer } from "./media_player.js";
@@ -8,8 +7,7 @@ import { HostSound } from "./host_sound.js";
 import { PresetLink } from "./preset_link.js";
 import { eventText, momentText } from "./descriptions.js";
 
-/** @import { OtherInput, Server, TimelineEvent } from "../types" */
-/** @import { Page } from "./page.js" */
+/** @import { OtherInput, ServedParts, Server, TimelineEvent } from "../types" */
 
 /**
  * Return the sound of a host that plays (null if the page plays), and a function that adds the features.
@@ -17,24 +15,24 @@ import { eventText, momentText } from "./descriptions.js";
  */
 export function openServer({ audio, media, pages }) {
   const host = audio === "host" ? new HostSound() : null;
-  return { host, serve: (/** @type {Page} */ page) => new Served(page, media, pages, host) };
+  return { host, serve: (/** @type {ServedParts} */ parts) => new Served(parts, media, pages, host) };
 }
 
 export class Served {
   /**
-   * `page` gets the features; `host` is its sound if a host plays.
-   * @param {Page} page
+   * `host` is the page's sound if a host plays.
+   * @param {ServedParts} parts
    * @param {Server["media"]} media
    * @param {Server["pages"]} pages
    * @param {HostSound | null} host
    */
-  constructor(page, media, pages, host) {
-    this.page = page;
+  constructor(parts, media, pages, host) {
+    this.parts = parts;
     document.head.append(made("link", { rel: "stylesheet", href: new URL("served.css", import.meta.url).href }));
     this.film = media && new MediaPlayer(media);
-    this.editor = new PresetEditor((before, after, surface) => page.changePreset(before, after, surface), page.input);
+    this.editor = new PresetEditor(parts.changePreset, parts.input);
     byId("play").hidden = byId("watch").hidden = this.film === null;
-    on("play", "click", () => this.watch(page.currentEvent));
+    on("play", "click", () => this.watch(parts.readOut().event));
     byId("tune").hidden = false;
     on("tune", "click", () => {
       byId("dialog").close();
@@ -42,25 +40,25 @@ export class Served {
     });
     byId("learn").hidden = !pages.includes("learn");
     on("learn", "click", () => location.assign("learn/"));
-    this.presets = new PresetLink(page, this.editor);
+    this.presets = new PresetLink(parts, this.editor);
     if (host) this.listenToHost(host);
   }
 
   /** @param {HostSound} sound */
   listenToHost(sound) {
-    const { page } = this;
+    const { actions, announcer, cursor, settings, viewState } = this.parts;
     sound.onlink = (text) => (byId("link").textContent = text);
     sound.onlatency = (text) => (byId("latency").textContent = text);
-    sound.onwindow = (window) => page.viewState.follow(window);
-    sound.onstatus = ({ cursor }) => {
-      if (Math.abs(cursor - page.cursor) > 1e-4) page.wake();
+    sound.onwindow = (window) => viewState.follow(window);
+    sound.onstatus = ({ cursor: position }) => {
+      if (Math.abs(position - cursor()) > 1e-4) actions.wake();
     };
     sound.onothers = (others) => this.showOthers(others);
     on("mark", "click", () => {
       sound.link.mark();
-      page.announcer.say("mark set");
+      announcer.say("mark set");
     });
-    sound.setName(page.settings.name);
+    sound.setName(settings.name);
     sound.report();
   }
 
@@ -69,7 +67,7 @@ export class Served {
    * @param {OtherInput[]} others
    */
   showOthers(others) {
-    const { geometry } = this.page.picture;
+    const { geometry } = this.parts.picture;
     byId("others").replaceChildren(...others.map(({ name, position, active }) => {
       const finger = made("b", { className: active ? "active" : "" }, name || "another");
       finger.style.transform = `translateX(${geometry.x(position).toFixed(1)}px)`;
@@ -83,12 +81,12 @@ export class Served {
    * @param {TimelineEvent | null} event
    */
   watch(event) {
-    const { film, page } = this;
+    const { film } = this;
     if (film === null) return;
-    const { view, info, reading } = page;
-    const moment = event?.time_s ?? secondsAt(view, reading);
+    const { actions, info, readOut } = this.parts;
+    const moment = event?.time_s ?? readOut().moment;
     const title = event ? eventText(event, info) : momentText(moment, info);
-    page.pause();
-    film.play(moment, title).catch((error) => page.fault(error.message));
+    actions.pause();
+    film.play(moment, title).catch((error) => actions.fault(error.message));
   }
 }
