@@ -21,11 +21,12 @@ from textual.system_commands import SystemCommandsProvider
 from textual.widgets import Static
 
 from overview_dsp.data.timeline import Timeline
+from overview_dsp.data.timeline.ticks import halves_of
 from overview_dsp.errors import OverviewError, printable
 from overview_dsp.live.inputs.input import Input
 from overview_dsp.live.screen import timeline_view as view
 from overview_dsp.live.screen.key_actions import KeyActions, help_text
-from overview_dsp.live.screen.position_report import PositionReport, finger_position
+from overview_dsp.live.screen.position_report import PositionReport, finger_position, match_minute
 from overview_dsp.live.screen.terminal import has_hung_up, nonblocking_driver
 from overview_dsp.live.session.command_forms import FORMS
 from overview_dsp.live.session.commands import poll
@@ -299,10 +300,13 @@ class PlayApp(App[None]):
             self._finger = min(max(at, 0.0), 1.0), self._finger[1]
         if is_new:
             self._labels = view.Labels(player, self.skin)
+            self._halves = halves_of(player.timeline.events)
             self._rows["legend"].draw([self._labels.legend(width)])
         last_s = window.window_timeline.known_until_s or window.window_timeline.duration_s
         finger = self._finger[0] if self._finger else float(window.angle_map.position_of(last_s))
-        (moment, end, value), _, event = self._report.here(finger)
+        (moment, end, value), time_s, event = self._report.here(finger)
+        minute, half = match_minute(self._halves, time_s)
+        end = f"minute {minute}, {half}" if minute and not end else end
         end = "where you released it" if self._finger and place is None else end
         named = [] if event is None else view.cells(*self._labels.named(event))
         source = (status.following or "") if self._source is None else self._source.status_text

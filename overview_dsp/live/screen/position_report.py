@@ -14,6 +14,7 @@ import numpy as np
 from overview_dsp.data.analysis.series_events import has_values, value_text
 from overview_dsp.data.timeline import Event, Timeline
 from overview_dsp.data.timeline.event import GOALS, score_of
+from overview_dsp.data.timeline.ticks import Half
 from overview_dsp.live.session.player import Player
 from overview_dsp.public import counted
 from overview_dsp.units import HALF_TURN, clock_text
@@ -52,6 +53,14 @@ def running_scores(timeline: Timeline) -> list[tuple[Event, str]]:
         return [(goal, f"{score[1]}-{score[2]}") for goal, score in found if score is not None]
     first = itertools.accumulate(goal.side % 2 for goal in goals)
     return [(goal, f"{n}-{i - n}") for i, (goal, n) in enumerate(zip(goals, first, strict=True), 1)]
+
+
+def match_minute(halves: Sequence[Half], time_s: float) -> tuple[str, str]:
+    """Return the minute of a match, counted from 1, and the name of its half; both may be empty."""
+    for half in reversed(halves):
+        if half.begin_s <= time_s < half.end_s:
+            return half.minute_text(int(time_s - half.begin_s) // 60 + 1), half.name
+    return "", ""
 
 
 def finger_position(player: Player) -> float | None:

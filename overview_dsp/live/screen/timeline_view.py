@@ -24,9 +24,9 @@ from textual.strip import Strip
 from textual.widget import Widget
 
 from overview_dsp.arrays import FloatArray
-from overview_dsp.data.analysis.series_events import has_values
+from overview_dsp.data.analysis.series_events import has_values, value_text
 from overview_dsp.data.timeline import Event, Timeline
-from overview_dsp.data.timeline.ticks import KINDS, window_ticks
+from overview_dsp.data.timeline.ticks import KINDS, halves_of, window_ticks
 from overview_dsp.errors import printable
 from overview_dsp.files.toml import load_toml
 from overview_dsp.live.screen import position_report as report
@@ -299,6 +299,21 @@ class TimelineView(Cells):
             self._where.update({(y, x): sign for y in rows})
         for (y, x), sign in self._where.items():
             self._behind[y][x] = self._ahead[y][x] = sign
+        for event, where in self._signs:
+            curve = timeline.intensity if event.kind in ("highest", "lowest") else None
+            if curve is not None and event.kind in on_curve and has_values(timeline):
+                value = float(f"{float(curve.at(np.array([event.time_s]))[0]):.4g}")
+                text = f"{event.kind.capitalize()} {value_text(value, curve.unit)}"
+                self._draw_label(*where[0], cells((text, "bold")))
+
+    def _draw_label(self, y: int, x: int, text: Row) -> None:
+        """Write text at the right of a sign, or else at the left, where there is room."""
+        for at in (x + 2, x - 1 - len(text)):
+            around = "".join(char for char, _ in self._behind[y][max(at, 0) : at + len(text) + 1])
+            if self.left <= at <= self.left + self.span - len(text) and not around.strip():
+                for rows in (self._behind, self._ahead):
+                    rows[y][at : at + len(text)] = text
+                return
 
     def _values(self, times: FloatArray) -> FloatArray:
         """Return the curve, or the friction, at the columns, 0 to 1; NaN without data."""
@@ -383,7 +398,19 @@ class TimelineView(Cells):
         """Yield times and texts of at most so many moments of the axis, at equal times."""
         begin, (start_s, end_s) = self._player.timeline.start, self._player.window
         start = None if begin is None else begin + timedelta(seconds=start_s)
-        found = window_ticks(start, start_s, end_s - start_s)
+        halves = () if begin is not None else halves_of(self._player.timeline.events)
+        found = window_ticks(start, start_s, end_s - start_s, halves)
+        if halves:
+            if start_s == halves[0].begin_s:
+                found = Event(0.0, "quarter_hour", "minute 0"), *found
+            quarters = tuple(tick for tick in found if tick.kind == "quarter_hour")
+            found = quarters if len(quarters) > 2 and len(found) > most else found
+            # minute 45 is the beginning of the second half
+            minutes = {tick.label.removeprefix("minute ").split(",")[0]: tick for tick in found}
+            every = math.ceil(len(minutes) / most)
+            for text, tick in [*minutes.items()][::every]:
+                yield tick.time_s, text + "′" * (":" not in text)
+            return
         every = math.ceil(len(found) / most) or 1
         for tick in found[every - 1 :: every]:
             text = clock_text(start_s + tick.time_s).removesuffix(".0")
@@ -403,7 +430,7 @@ class TimelineView(Cells):
         if finger is not None:
             for y in range(self._first, self._groove):
                 line = "╋" if self._tops[finger - self.left] == y else "┃"
-                if (y, finger) not in self._where:
+                if (y, finger) not in self._where and rows[y][finger][1] != "bold":
                     rows[y][finger] = line if held else "┊", "hand"
             for x in range(min(disk, finger), max(disk, finger)) if held else ():
                 groove[x] = "╱╲"[x % 2], "hand"

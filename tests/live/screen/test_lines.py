@@ -13,8 +13,9 @@ import numpy as np
 import pytest
 
 import overview_dsp as ov
+from overview_dsp.data.timeline.ticks import Half
 from overview_dsp.live.screen import plain_mode
-from overview_dsp.live.screen.position_report import PositionReport
+from overview_dsp.live.screen.position_report import PositionReport, match_minute
 from tests.cli.running import MATCH, environment
 
 if sys.platform == "linux":
@@ -295,3 +296,13 @@ def test_a_session_ends_after_its_seconds(tmp_path, screen):
     assert terminal.process.wait(60.0) == 0
     assert terminal.echoes
     terminal.close()
+
+
+def test_minutes_of_a_match_are_counted_from_one_and_added_time_after_45():
+    halves = (Half(10.0, 2_890.0, 0, 45, "first half"), Half(2_890.0, 5_700.0, 45, 90, "second"))
+    assert match_minute(halves, 0.0) == ("", "")
+    assert match_minute(halves, 10.0) == ("1", "first half")
+    assert match_minute(halves, 10.0 + 2_699.0) == ("45", "first half")
+    assert match_minute(halves, 10.0 + 2_701.0) == ("45+1", "first half")
+    assert match_minute(halves, 2_890.0) == ("46", "second")
+    assert match_minute(halves, 5_700.0) == match_minute((), 1.0) == ("", "")

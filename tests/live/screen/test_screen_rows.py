@@ -11,6 +11,7 @@ import pytest
 from rich.color import Color
 
 import overview_dsp as ov
+from overview_dsp.data.timeline.ticks import halves_of
 from overview_dsp.live.screen.app import Trace, keys, readout
 from overview_dsp.live.screen.position_report import PositionReport, event_text
 from overview_dsp.live.screen.terminal import ASCII
@@ -81,7 +82,7 @@ def test_every_row_is_where_the_design_has_it(opened, match, monkeypatch, size, 
     for name, value in MODES[mode].items():
         monkeypatch.setenv(name, value)
     player, (width, height) = opened(match, "football"), size
-    goal = match.event("goal", 4)
+    goal, halves = match.event("goal", 4), halves_of(match.events)
 
     async def script(app, pilot):
         player.touch(float(player.active_window.angle_map.position_of(goal.time_s)))
@@ -89,9 +90,10 @@ def test_every_row_is_where_the_design_has_it(opened, match, monkeypatch, size, 
         await pilot.pause(0.15)
         view = app.query_one(TimelineView)
         assert len(parts(app)) == height
-        return parts(app), view._groove, view.skin
+        minute_60 = player.active_window.angle_map.position_of(halves[1].begin_s + 15 * 60.0)
+        return parts(app), view._groove, view.skin, view.column(float(minute_60))
 
-    rows, groove, skin = drive(player, script, size=size)
+    rows, groove, skin, column_60 = drive(player, script, size=size)
     assert skin.name == {"ascii": "none"}.get(mode, mode)
     assert all(len(row) == width for row in rows)
     assert all(text(row).isprintable() for row in rows)
@@ -127,7 +129,11 @@ def test_every_row_is_where_the_design_has_it(opened, match, monkeypatch, size, 
     tokens = [token for _, token in rows[top + groove]]
     assert tokens.count("disk") == 3
     assert abs(tokens.index("disk") + 1 - x) <= 2 or rows[top + groove][x] == (" ", "hand!")
-    assert shown[top + groove + 1].split()[0].count(":") == 1  # the axis
+    # the axis has the minutes of the match, which the finger's is one of
+    axis = {int(one[1]): one.start() for one in re.finditer(r"(\d+)[′']", shown[top + groove + 1])}
+    assert [*axis][:5] == [*range(0, 75, 15)] or [*axis] == [0, 30, 60, 90]
+    assert abs(axis[60] - column_60) <= 2
+    assert "minute 65, second half" in shown[1]
     if full:
         assert shown[-5].startswith((" ● goal 5  ", " G goal 5  ", " O goal 5  "))
         assert shown[-5].endswith(" ahead ")
@@ -219,6 +225,10 @@ def test_a_series_has_its_signs_at_the_curve_and_its_gap_is_empty(opened):
     assert {rows[y][x] for y in range(1, groove - 1) for x in gap} <= set(" ╱┃╋")
     assert set(rows[groove][gap[0] : gap[-1]]) & set("━─") <= {"─"}  # the notch
     assert "no data" in rows[0]
+    # values stand beside the signs, and the finger never covers one
+    sign = next(row for row in rows if "▲" in row)
+    assert sign[high + 1 :].startswith(" Highest 8 °C ")
+    assert rows[groove - 1][low - 16 : low] == " Lowest 3.25 °C "
     assert "no data from 8:20 to 11:40" in text(screen[1])
 
 
