@@ -14,14 +14,13 @@ from typing import Any, ClassVar
 from textual.app import App, ComposeResult, SystemCommand
 from textual.binding import Binding, BindingType
 from textual.command import Hit, Hits
-from textual.containers import ScrollableContainer
+from textual.containers import Horizontal, ScrollableContainer, Vertical
 from textual.events import Key
 from textual.screen import ModalScreen, Screen
 from textual.system_commands import SystemCommandsProvider
 from textual.widgets import Static
 
 from overview_dsp.data.timeline import Timeline
-from overview_dsp.data.timeline.ticks import halves_of
 from overview_dsp.errors import OverviewError, printable
 from overview_dsp.live.inputs.input import Input
 from overview_dsp.live.screen import timeline_view as view
@@ -189,6 +188,7 @@ class PlayApp(App[None]):
     """Application that plays a timeline by mouse and keys."""
 
     CSS_PATH = "app.tcss"
+    HORIZONTAL_BREAKPOINTS = [(0, "-narrow"), (view.PANEL_FROM, "-wide")]  # noqa: RUF012
     VERTICAL_BREAKPOINTS = [(0, "-short"), (FULL_HEIGHT, "-full")]  # noqa: RUF012
     COMMANDS: ClassVar = {CommandProvider}
     COMMAND_PALETTE_BINDING = "c"
@@ -222,7 +222,7 @@ class PlayApp(App[None]):
         self._trace, self._report = Trace(), PositionReport(player)
         self._actions = KeyActions(player)
         self._view = view.TimelineView(player, self.skin)
-        names = ("readout", "legend", "signals", "state", "keys")
+        names = ("readout", "legend", "signals", "events", "state", "keys")
         self._rows = {name: view.Cells(self.skin, id=name) for name in names}
 
     @cached_property
@@ -247,12 +247,16 @@ class PlayApp(App[None]):
             yield SystemCommand(choice, "", partial(self.player.queue_command, *words))
 
     def compose(self) -> ComposeResult:
-        """Yield read-out, timeline, legend, torque and vibration, state and keys."""
-        first, *others = self._rows.values()
-        yield from (first, self._view)
-        if self._invitation:
-            yield Static(self._invitation.splitlines()[0], id="invitation", markup=False)
-        yield from others
+        """Yield read-out, timeline, legend, torque and vibration; events; state and keys."""
+        readout, legend, signals, *others = self._rows.values()
+        with Horizontal():
+            with Vertical():
+                yield from (readout, self._view)
+                if self._invitation:
+                    yield Static(self._invitation.splitlines()[0], id="invitation", markup=False)
+                yield from (legend, signals)
+            yield others[0]
+        yield from others[1:]
 
     def on_mount(self) -> None:
         """Poll the player thirty times per second."""
@@ -283,7 +287,7 @@ class PlayApp(App[None]):
         self._polls += 1
         if self._trace.add(status) or self._polls % POLLS_PER_SECOND == 1:
             hz = self.player.engine.preset.number("tactor.frequency_hz")
-            self._rows["signals"].draw(self._trace.rows(status, hz, self.size.width))
+            self._rows["signals"].draw(self._trace.rows(status, hz, self._view.size.width))
         moves = status.touching or not self.player.at_rest
         if self._polls % (VIEW_EVERY if moves else 2 * VIEW_EVERY) == 0:
             self._show(status)
@@ -291,6 +295,7 @@ class PlayApp(App[None]):
     def _show(self, status: Status) -> None:
         """Draw what has changed: read-out, timeline, state and keys, and a new legend."""
         player, window, (width, height) = self.player, self.player.active_window, self.size
+        picture_width = self._view.size.width
         place, drawn = finger_position(player), (player.engine.surface, self.size, self._view.size)
         is_new, self._drawn = drawn != self._drawn, drawn
         if place is not None:
@@ -300,12 +305,11 @@ class PlayApp(App[None]):
             self._finger = min(max(at, 0.0), 1.0), self._finger[1]
         if is_new:
             self._labels = view.Labels(player, self.skin)
-            self._halves = halves_of(player.timeline.events)
-            self._rows["legend"].draw([self._labels.legend(width)])
+            self._rows["legend"].draw([self._labels.legend(picture_width)])
         last_s = window.window_timeline.known_until_s or window.window_timeline.duration_s
         finger = self._finger[0] if self._finger else float(window.angle_map.position_of(last_s))
         (moment, end, value), time_s, event = self._report.here(finger)
-        minute, half = match_minute(self._halves, time_s)
+        minute, half = match_minute(self._labels.halves, time_s)
         end = f"minute {minute}, {half}" if minute and not end else end
         end = "where you released it" if self._finger and place is None else end
         named = [] if event is None else view.cells(*self._labels.named(event))
@@ -317,8 +321,10 @@ class PlayApp(App[None]):
         texts.append(", ".join(f"{team} {goals}" for team, goals in scored if goals.isdigit()))
         note, large = "; ".join(filter(None, texts)), (self.skin.has_utf8, height >= FULL_HEIGHT)
         lines = [view.cells(*title(player.timeline, self.skin))]
-        lines += readout((moment, end, value), named, note, *large, width)
-        self._rows["readout"].draw([view.spread(width, line) for line in lines])
+        lines += readout((moment, end, value), named, note, *large, picture_width)
+        self._rows["readout"].draw([view.spread(picture_width, line) for line in lines])
+        if picture_width < width:
+            self._rows["events"].draw(self._labels.panel(event, time_s, height - 2))
         shown = finger if self._finger else None
         self._view.show(is_new, status.cursor, shown, place is not None, event)
         self._rows["state"].draw([self._state(status, width)])

@@ -28,7 +28,9 @@ NEAR_EXTREME = 0.005
 MAX_POINTS = 1_000_000
 """Maximum number of points of a curve that are searched for extremes."""
 
-_DAYS_FROM_S = 3 * 86_400.0
+DAYS_FROM_S = 3 * 86_400.0
+"""Length of a window from which moments are days, s."""
+
 _TENTHS_BELOW_S = 600.0
 _SCORE = re.compile(r"(\d+)-(\d+)\b\s*")
 
@@ -93,7 +95,7 @@ class PositionReport:
             return clock_text(round(time_s))[:-2] if whole else clock_text(time_s)
         day = start + timedelta(seconds=time_s)
         date = f"{day.day} {day:%B %Y}"
-        return date if width_s > _DAYS_FROM_S else f"{date}, {day:%H:%M}"
+        return date if width_s > DAYS_FROM_S else f"{date}, {day:%H:%M}"
 
     def here(self, position: float) -> tuple[tuple[str, str, str], float, Event | None]:
         """Return moment, start or end, and value of a position (0 to 1), its time, its event."""

@@ -45,6 +45,9 @@ MAX_RUN, MARGIN, MIN_HEIGHT = 16, 2, 0.02
 SCORES_FROM, LANES_FROM = 20, 12
 """Heights of the screen from which goals have their score, and each team its lane."""
 
+PANEL, PANEL_FROM = 38, 112
+"""Width of the list of events, and width of the screen from which there is one."""
+
 BLOCKS, NOTCH = " ▁▂▃▄▅▆▇█", "─╲│╱─"
 HINTS = (" Drag here with the mouse, or hold → ", " Drag, or hold → ", " Hold → ", "")
 
@@ -168,6 +171,9 @@ class Labels:
         shown = [one for one in visible_events(player) if is_marked(one[0], player.timeline)]
         self._numbers = {event.kind: number for event, number, _ in shown}
         self._counts = Counter(event.kind for event, _, _ in shown)
+        self._events = [event.moved(event.time_s + player.window[0]) for event, _, _ in shown]
+        self._has_days = player.window[1] - player.window[0] > report.DAYS_FROM_S
+        self.halves = halves_of(player.timeline.events)
         self._side = 0 if has_teams(player.timeline) else 1
 
     def named(self, event: Event) -> list[Cell]:
@@ -185,6 +191,24 @@ class Labels:
             (self._skin.sign(kind, self._numbers[kind], self._side), f"{kind} {self._counts[kind]}")
             for kind in sorted(self._counts, key=order.index)
         ]
+
+    def panel(self, event: Event | None, time_s: float, height: int) -> list[Row]:
+        """Return the list of events, scrolled to a time, with the event there reversed."""
+        room, before = max(1, height - 2), sum(one.time_s <= time_s for one in self._events)
+        first = max(0, min(before - room // 2, len(self._events) - room))
+        rows = [cells((f"│ Events {len(self._events)}", "bold"))]
+        rows += [[("│", "")] for _ in range(height - 1)]
+        for row, one in zip(rows[2:], self._events[first : first + room], strict=False):
+            minute, _ = report.match_minute(self.halves, one.time_s)
+            moment = self._timeline.moment_text(one.time_s).removesuffix(".0").split(" ")
+            when = f"{minute}′" if minute else moment[0 if self._has_days else -1]
+            sign, blank, (text, _) = self.named(one)
+            text = shortened(text, PANEL - 6 - len(when))
+            listed = spread(PANEL - 1, cells(sign, blank, (text, "")), cells((when, "")))
+            if report.is_same(one, event):
+                listed[1:] = (sign[0], f"{sign[1]}!"), *((char, "disk") for char, _ in listed[2:])
+            row += listed
+        return [row + [(" ", "")] * (PANEL - len(row)) for row in rows]
 
     def legend(self, width: int) -> Row:
         """Return the visible kinds, as far as there is room, and the signs of the curve."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import random
 import re
 from dataclasses import replace
+from datetime import datetime
 
 import numpy as np
 import pytest
@@ -46,7 +47,10 @@ def parts(app):
     """The cells of each row of the screen, from the top."""
     view, named = app.query_one(TimelineView), {key: one.rows for key, one in app._rows.items()}
     middle = [*named["legend"], *named["signals"]] if app.size.height >= 20 else []
-    return [*named["readout"], *view.rows, *middle, *named["state"], *named["keys"]]
+    rows = [*named["readout"], *view.rows, *middle]
+    if app.size.width >= 112:  # the list of events is beside them
+        rows = [[*row, *listed] for row, listed in zip(rows, named["events"], strict=True)]
+    return [*rows, *named["state"], *named["keys"]]
 
 
 def text(row):
@@ -97,6 +101,15 @@ def test_every_row_is_where_the_design_has_it(opened, match, monkeypatch, size, 
     assert skin.name == {"ascii": "none"}.get(mode, mode)
     assert all(len(row) == width for row in rows)
     assert all(text(row).isprintable() for row in rows)
+    listed, picture_width = [row[-38:] for row in rows[:-2]], width - 38
+    if width >= 112:
+        rows = [*(row[:picture_width] for row in rows[:-2]), *rows[-2:]]
+        assert {row[0] for row in listed} == {("│", "bold"), ("│", "")}
+        assert text(listed[0]).rstrip() == "│ Events 32"
+        # the event under the finger is in reverse
+        (here,) = [row for row in listed if ("l", "disk") in row]
+        assert re.fullmatch(r"│ [●G] Goal, Mbapp\S+ France +65′ ", text(here))
+        assert here[2][1] == "first!"
     shown = list(map(text, rows))
     if mode == "ascii":
         shown = [row.translate(ASCII) for row in shown]
@@ -340,3 +353,34 @@ def test_levels_have_seven_heights_of_six_decibels(opened, match):
         assert "−6 dB 250 Hz" in vibration
 
     drive(player, script, size=(80, 24))
+
+
+@pytest.mark.parametrize("mode", ["dark", "none"])
+def test_the_list_of_events_follows_the_finger_and_has_dates_or_clocks(opened, monkeypatch, mode):
+    for name, value in MODES[mode].items():
+        monkeypatch.setenv(name, value)
+    day = 86_400.0
+    events = tuple(ov.Event(day * (1 + number), "strong", f"no {number}") for number in range(60))
+    player = opened(ov.Timeline("days", 62 * day, events, start=datetime(2024, 1, 1)))
+
+    async def script(app, pilot):
+        def listed():
+            found = [text(row).strip("│ ") for row in app._rows["events"].rows]
+            return [re.sub(" +", " ", row)[2:] for row in found[2:] if row]
+
+        assert await until(pilot, lambda: listed()[-1:] == ["Strong, no 59 2024-03-01"])
+        player.touch(0.0)
+        assert await until(pilot, lambda: listed()[:1] == ["Strong, no 0 2024-01-02"])
+        assert len(listed()) == app.size.height - 4
+        player.touch(0.5)
+        middle = "Strong, no 30 2024-02-01"
+        assert await until(pilot, lambda: middle in listed()[8:-8])
+        player.show(10.0 * day, 12.5 * day)
+        assert await until(pilot, lambda: "Strong, no 10 00:00:00" in listed())
+        assert next(row for row in listed() if row.startswith("Strong")) == "Strong, no 9 00:00:00"
+        assert "Hour, 06:00 06:00:00" in listed()
+        await pilot.resize_terminal(111, 30)
+        assert await until(pilot, lambda: app._view.size.width == 111)
+        assert not app._rows["events"].display or not app._rows["events"].size.width
+
+    drive(player, script, size=(112, 30))
