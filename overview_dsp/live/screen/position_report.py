@@ -32,7 +32,7 @@ DAYS_FROM_S = 3 * 86_400.0
 """Length of a window from which moments are days, s."""
 
 _TENTHS_BELOW_S = 600.0
-_SCORE = re.compile(r"(\d+)-(\d+)\b\s*")
+_SCORE = re.compile(r"(?<![\d-])(\d+)-(\d+)\b(?!-)\s*")  # not a part of a date
 
 
 def event_text(event: Event, sides: Sequence[str] = ()) -> str:

@@ -15,7 +15,7 @@ import pytest
 import overview_dsp as ov
 from overview_dsp.data.timeline.ticks import Half
 from overview_dsp.live.screen import plain_mode
-from overview_dsp.live.screen.position_report import PositionReport, match_minute
+from overview_dsp.live.screen.position_report import PositionReport, event_text, match_minute
 from tests.cli.running import MATCH, environment
 
 if sys.platform == "linux":
@@ -306,3 +306,8 @@ def test_minutes_of_a_match_are_counted_from_one_and_added_time_after_45():
     assert match_minute(halves, 10.0 + 2_701.0) == ("45+1", "first half")
     assert match_minute(halves, 2_890.0) == ("46", "second")
     assert match_minute(halves, 5_700.0) == match_minute((), 1.0) == ("", "")
+
+
+def test_the_date_of_an_event_is_not_taken_for_a_score():
+    assert event_text(ov.Event(1.0, "trough", "trough 0.9, 2000-12-19")) == "trough 0.9, 2000-12-19"
+    assert event_text(ov.Event(1.0, "goal", "2-1 Berg")) == "goal, Berg"
