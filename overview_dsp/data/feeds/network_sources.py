@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import codecs
 import http.client
 import os
 import time
@@ -14,7 +15,14 @@ from typing import Any
 from urllib.parse import urlsplit
 
 from overview_dsp.data.feeds.feed_lines import MAX_LINE_BYTES
-from overview_dsp.data.feeds.sources import CHUNK_BYTES, LostError, Received, Source, is_feed
+from overview_dsp.data.feeds.sources import (
+    CHUNK_BYTES,
+    LostError,
+    Received,
+    Source,
+    is_feed,
+    is_json,
+)
 from overview_dsp.data.readers.registry import load_timeline
 from overview_dsp.errors import InputError
 from overview_dsp.installation import install_command
@@ -146,7 +154,7 @@ class Http(Source):
                 line = (line + part.rstrip(b"\r\n"))[: MAX_LINE_BYTES + 16]
                 if not part.endswith(b"\n"):
                     continue
-                field, _, value = line.partition(b":")
+                field, _, value = line.removeprefix(codecs.BOM_UTF8).partition(b":")
                 value, line = value.removeprefix(b" "), b""
                 if field == b"data":
                     size += len(value) + 1
@@ -159,7 +167,8 @@ class Http(Source):
                 elif field == b"id" and len(value) < 256:
                     event_id = value.decode("latin-1")
                 elif not field and not value:
-                    yield b"".join(data)
+                    lines = b"".join(data)
+                    yield lines.replace(b"\n", b" ") + b"\n" if is_json(lines) else lines
                     self._last_id, data, size = event_id or self._last_id, [], 0
                 else:
                     yield b""

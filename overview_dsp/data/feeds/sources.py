@@ -7,6 +7,7 @@ the feed. It raises `LostError` if the connection is lost; then `read` is called
 
 from __future__ import annotations
 
+import codecs
 import contextlib
 import json
 import os
@@ -23,6 +24,7 @@ from overview_dsp.data.feeds.feed_lines import HEADER, KEYS, parse_line
 from overview_dsp.data.readers.audio.channels import layout_of, weights_of
 from overview_dsp.data.readers.audio.reader import timeline_of
 from overview_dsp.data.readers.registry import load_timeline
+from overview_dsp.data.readers.series.sample_scan import FEW_ROWS
 from overview_dsp.data.timeline.model import Timeline
 from overview_dsp.errors import InputError
 
@@ -75,19 +77,26 @@ def _is_complete(head: bytes) -> bool:
     """Return whether a file's first bytes without a newline suffice to detect its format."""
     if not head.strip() or b"\n" in head:
         return bool(head.strip())
-    return _is_binary(head) or _is_json(head)
+    return _is_binary(head) or is_json(head)
 
 
 def _is_binary(head: bytes) -> bool:
     return b"\0" in head[:CHUNK_BYTES]
 
 
-def _is_json(data: bytes) -> bool:
+def is_json(data: bytes) -> bool:
+    """Return whether bytes are one JSON object or array."""
     try:
         json.loads(data)
     except (ValueError, RecursionError):
         return False
-    return data.lstrip()[:1] in (b"{", b"[")
+    return data.removeprefix(codecs.BOM_UTF8).lstrip()[:1] in (b"{", b"[")
+
+
+def _is_first_line(data: bytes) -> bool:
+    """Return whether a file may be the header or first row of a table that is being written."""
+    is_line = data.count(b"\n") == 1 and any(mark in data for mark in (b",", b";", b"\t"))
+    return is_line and not _is_binary(data) and b"[" not in data and data.count(b"{") <= 1
 
 
 @dataclass
@@ -139,6 +148,7 @@ class GrowingFile(Source):
 
     def _read_again(self) -> Iterator[Received]:
         last: tuple[int, int, int] | None = None
+        was_read = False
         while True:
             wait_s = POLL_EVERY_S
             timeline = None
@@ -147,8 +157,9 @@ class GrowingFile(Source):
                 state = (status.st_mtime_ns, status.st_size, status.st_ino)
                 if state != last:
                     start = time.monotonic()
-                    timeline = self._load(first=last is None)
+                    timeline = self._load(first=not was_read)
                     last = state
+                    was_read |= timeline is not None
                     if timeline is not None:
                         took_s = time.monotonic() - start
                         wait_s = max(READ_AGAIN_S, took_s / MAX_READING_SHARE)
@@ -161,11 +172,12 @@ class GrowingFile(Source):
             with open(self.name, "rb") as file:
                 data = file.read()
             end = data.rfind(b"\n") + 1
-            if not end or _is_binary(data) or _is_json(data):
+            if not end or _is_binary(data) or is_json(data):
                 return load_timeline(data)
             return load_timeline(data if self.name.endswith(".json") else data[:end])
         except InputError as error:
-            if first:
+            few = error.note == FEW_ROWS or _is_first_line(data)
+            if first and not (few and not self.name.endswith(".json")):
                 raise InputError(f"{self.name}: {error}") from None
             return None
 

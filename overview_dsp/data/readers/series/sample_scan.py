@@ -63,6 +63,9 @@ CONTEXT_ROWS = 65_536
 
 MAX_GAPS = 200_000
 
+FEW_ROWS = "few rows"
+"""Note of the error about a series of one time, which the next row makes valid."""
+
 _EVEN = 1e-6
 """Maximum deviation of evenly spaced times, as a fraction of a step."""
 
@@ -133,7 +136,8 @@ class SampleScan:
         if len(seconds) < 2:
             raise InputError(
                 f"only one time ({self.plan.table.row_word} {int(number[0])}); a series has "
-                "two or more; name another column if this one doesn't have the times"
+                "two or more; name another column if this one doesn't have the times",
+                note=FEW_ROWS,
             )
         self._first_s = float(seconds[0])
         self._require_span(seconds)
