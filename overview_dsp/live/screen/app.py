@@ -9,7 +9,7 @@ import time
 from collections import deque
 from collections.abc import Callable, Iterable, Sequence
 from functools import cached_property, partial
-from typing import ClassVar
+from typing import Any, ClassVar
 
 from textual.app import App, ComposeResult, SystemCommand
 from textual.binding import Binding, BindingType
@@ -26,7 +26,7 @@ from overview_dsp.live.inputs.input import Input
 from overview_dsp.live.screen import timeline_view as view
 from overview_dsp.live.screen.key_actions import KeyActions, help_text
 from overview_dsp.live.screen.position_report import PositionReport, finger_position, match_minute
-from overview_dsp.live.screen.terminal import ask_background, has_hung_up, nonblocking_driver
+from overview_dsp.live.screen.terminal import has_hung_up, nonblocking_driver
 from overview_dsp.live.session.command_forms import FORMS
 from overview_dsp.live.session.commands import poll
 from overview_dsp.live.session.player import Player
@@ -206,11 +206,10 @@ class PlayApp(App[None]):
         source: Input | None = None,
         stopped: Callable[[], bool] | None = None,
         invitation: str = "",
-        background: str = "",
     ) -> None:
         driver, ansi = nonblocking_driver(self.get_driver_class()), "NO_COLOR" in os.environ
         super().__init__(driver_class=driver, ansi_color=ansi or None)
-        self.skin = view.Skin(os.environ, self.console.color_system, background)
+        self.skin = view.Skin(os.environ, self.console.color_system)
         self.theme = self.skin.theme
         self.player, self._source, self._stopped = player, source, stopped
         self._invitation = invitation
@@ -389,9 +388,9 @@ class PlayApp(App[None]):
         self.push_screen(TextScreen(help_text(self.player, self.skin)))
 
 
-def run(player: Player, source: Input | None, stopped: Callable[[], bool], address: str) -> None:
+def run(player: Player, *arguments: Any) -> None:
     """Run a `PlayApp` until the user quits or it is stopped; raise errors of the player."""
-    app = PlayApp(player, source, stopped, address, ask_background(os.environ))
+    app = PlayApp(player, *arguments)
     app.run()
     if app.failure is not None:
         raise app.failure

@@ -2,7 +2,6 @@
 
 Textual's own writer blocks the application when its queue is full, even at exit. This one skips
 output while the terminal doesn't read. The whole screen is drawn again when it reads again.
-The terminal is asked for its background before it is taken; a late answer is not read as keys.
 """
 
 from __future__ import annotations
@@ -10,17 +9,13 @@ from __future__ import annotations
 import os
 import re
 import select
-import sys
 import threading
-import time
 import unicodedata
 from collections import deque
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from typing import IO, Any
 
-from textual._xterm_parser import XTermParser
 from textual.driver import Driver
-from textual.message import Message
 
 from overview_dsp.files.toml import load_toml
 
@@ -35,12 +30,6 @@ END_WITHIN_S = 0.3
 
 CHUNK = 512
 
-QUERY, ANSWER_WITHIN_S = b"\x1b]11;?\x1b\\", 0.1
-"""Question for the colour of the background, and longest wait for the answer."""
-
-ANSWER = re.compile(r"\x1b\]11;([^\x07\x1b]*)(?:\x07|\x1b\\)")
-BEGUN = re.compile(r"\x1b\]11;[^\x07\x1b]*\x1b?\Z")
-
 ASCII = str.maketrans(*load_toml(__file__, "signs.toml")["ascii"].values())
 """Replacements for a terminal without UTF-8, of the same width."""
 
@@ -50,58 +39,6 @@ def has_utf8(environment: Mapping[str, str]) -> bool:
     names = ("LC_ALL", "LC_CTYPE", "LANG")
     locale = next(filter(None, (environment.get(name) for name in names)), "utf-8").casefold()
     return environment.get("TERM") != "linux" and ("utf-8" in locale or "utf8" in locale)
-
-
-def background_of(answer: str) -> str:
-    """Return `light` or `dark` for the colour in a terminal's answer; empty without a colour."""
-    parts = re.match(r"rgba?:([\da-fA-F]+)/([\da-fA-F]+)/([\da-fA-F]+)", answer)
-    if parts is None:
-        return ""
-    red, green, blue = (int(part, 16) / (16.0 ** len(part) - 1.0) for part in parts.groups())
-    return "light" if 0.2126 * red + 0.7152 * green + 0.0722 * blue > 0.5 else "dark"
-
-
-def ask_background(environment: Mapping[str, str]) -> str:
-    """Return whether the terminal's background is `light` or `dark`; empty without an answer."""
-    files, has_colours = (sys.__stdin__, sys.__stderr__), "NO_COLOR" not in environment
-    has_colours &= has_utf8(environment) and environment.get("TERM") != "dumb"
-    if not has_colours or os.name != "posix" or not all(one and one.isatty() for one in files):
-        return ""
-    import termios
-    import tty
-
-    source, target = (one.fileno() for one in files if one is not None)
-    try:
-        before = termios.tcgetattr(source)
-        try:
-            tty.setcbreak(source, termios.TCSANOW)
-            # a frozen terminal is not asked
-            if not select.select([], [target], [], 0.0)[1] or not os.write(target, QUERY):
-                return ""
-            text, until = "", time.monotonic() + ANSWER_WITHIN_S
-            while (room := until - time.monotonic()) > 0.0 and ANSWER.search(text) is None:
-                if select.select([source], [], [], room)[0]:
-                    text += os.read(source, CHUNK).decode("ascii", "replace")
-        finally:
-            termios.tcsetattr(source, termios.TCSANOW, before)
-    except (OSError, termios.error):
-        return ""
-    found = ANSWER.search(text)
-    return "" if found is None else background_of(found[1])
-
-
-class Parser(XTermParser):
-    """Textual's parser, which doesn't take a late answer of the terminal for keys."""
-
-    _begun = ""
-
-    def feed(self, data: str) -> Iterable[Message]:
-        """Yield the messages of keys and mouse; an answer, or a part of one, gives none."""
-        is_end, data = not data, ANSWER.sub("", self._begun + data)
-        begun = BEGUN.search(data)
-        self._begun = begun[0] if begun is not None else ""
-        data = data[: len(data) - len(self._begun)]
-        return super().feed(data) if data or is_end else ()
 
 
 class TerminalWriter(threading.Thread):
@@ -226,7 +163,6 @@ def nonblocking_driver(driver: type[Driver]) -> type[Driver]:
 
         def run_input_thread(self) -> None:
             """Read keys; the application detects a closed terminal."""
-            vars(sys.modules[driver.__module__])["XTermParser"] = Parser
             try:
                 super().run_input_thread()
             except OSError:

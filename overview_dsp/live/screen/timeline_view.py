@@ -55,17 +55,12 @@ HINTS = (" Drag here with the mouse, or hold → ", " Drag, or hold → ", " Hol
 class Skin:
     """Signs and colours that a terminal can show."""
 
-    def __init__(
-        self, environment: Mapping[str, str], system: str | None = None, background: str = ""
-    ) -> None:
-        """Choose them by the locale, NO_COLOR, Rich's name of the colours, and the background.
-
-        `background`: `light` or `dark` as the terminal says; if it is empty, COLORFGBG decides.
-        """
+    def __init__(self, environment: Mapping[str, str], system: str | None = None) -> None:
+        """Choose them by the locale, NO_COLOR, Rich's name of the colours, and COLORFGBG."""
         self.has_utf8 = has_utf8(environment)
-        if number := environment.get("COLORFGBG", "").rpartition(";")[2]:
-            background = background or ("light" if number in ("7", "15") else "dark")
-        name = "sixteen" if system in ("standard", "windows") else background or "dark"
+        background = environment.get("COLORFGBG", "").rpartition(";")[2]
+        name = "light" if background in ("7", "15") else "dark"
+        name = "sixteen" if system in ("standard", "windows") else name
         self.name = "none" if "NO_COLOR" in environment else name
         # on an unknown background colours may be invisible: a dark one is drawn instead
         is_known = background or self.name in ("none", "sixteen")
