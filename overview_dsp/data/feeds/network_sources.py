@@ -168,7 +168,8 @@ class Http(Source):
                     event_id = value.decode("latin-1")
                 elif not field and not value:
                     lines = b"".join(data)
-                    yield lines.replace(b"\n", b" ") + b"\n" if is_json(lines) else lines
+                    is_one = len(data) > 1 and is_json(lines)
+                    yield lines.replace(b"\n", b" ") + b"\n" if is_one else lines
                     self._last_id, data, size = event_id or self._last_id, [], 0
                 else:
                     yield b""

@@ -91,3 +91,28 @@ class FeedServer:
         self.killed.set()
         self._server.shutdown()
         self._server.server_close()
+
+
+@contextlib.contextmanager
+def event_stream(write):
+    """Serve server-sent events: `write(file)` writes them; yields the address."""
+
+    class Handler(BaseHTTPRequestHandler):
+        def do_GET(self):
+            self.send_response(200)
+            self.send_header("Content-Type", "text/event-stream; charset=utf-8")
+            self.end_headers()
+            with contextlib.suppress(OSError):
+                write(self.wfile)
+
+        def log_message(self, *arguments):
+            pass
+
+    server = ThreadingHTTPServer(("127.0.0.1", 0), Handler)
+    server.daemon_threads = True
+    threading.Thread(target=server.serve_forever, daemon=True).start()
+    try:
+        yield f"http://127.0.0.1:{server.server_port}/"
+    finally:
+        server.shutdown()
+        server.server_close()

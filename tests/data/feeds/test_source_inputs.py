@@ -11,7 +11,6 @@ import io
 import json
 import threading
 from dataclasses import dataclass
-from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 
 import numpy as np
 import pytest
@@ -22,7 +21,7 @@ from overview_dsp.data.feeds import follower as follower_module
 from overview_dsp.data.feeds import network_sources, sources
 from overview_dsp.data.feeds.follower import Follower
 from overview_dsp.live.inputs.feeds import open_source
-from tests.data.feeds.servers import wait_until
+from tests.data.feeds.servers import event_stream, wait_until
 
 GOAL, FOUL = (60.0, "goal", "Ada"), (120.0, "foul", "")
 LINES = (
@@ -240,35 +239,18 @@ def test_a_sound_is_followed_with_its_loudness(data, file, tmp_path):
 def test_a_stream_of_server_sent_events_that_never_ends_is_followed(parts):
     done = threading.Event()
 
-    class Handler(BaseHTTPRequestHandler):
-        def do_GET(self):
-            self.send_response(200)
-            self.send_header("Content-Type", "text/event-stream; charset=utf-8")
-            self.end_headers()
-            with contextlib.suppress(OSError):
-                for part in parts:
-                    self.wfile.write(part.encode())
-                    self.wfile.flush()
-                while not done.wait(0.05):
-                    self.wfile.write(b": alive\n\n")
+    def write(file):
+        for part in parts:
+            file.write(part.encode())
+            file.flush()
+        while not done.wait(0.05):
+            file.write(b": alive\n\n")
 
-        def log_message(self, *unused):
-            pass
-
-    server = ThreadingHTTPServer(("127.0.0.1", 0), Handler)
-    server.daemon_threads = True
-    threading.Thread(target=server.serve_forever, daemon=True).start()
-    try:
-        with followed(f"http://127.0.0.1:{server.server_port}/") as one:
-            assert wait_until(lambda: found(one.live) == BOTH, 20), (
-                found(one.live),
-                one.take_messages(),
-            )
-            assert one.take_messages() == ()
-    finally:
+    with event_stream(write) as address, followed(address) as one:
+        is_right = wait_until(lambda: found(one.live) == BOTH, 20)
         done.set()
-        server.shutdown()
-        server.server_close()
+        assert is_right, (found(one.live), one.take_messages())
+        assert one.take_messages() == ()
 
 
 @pytest.mark.parametrize(

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 import gzip
 import io
 import itertools
@@ -24,7 +23,7 @@ from overview_dsp.data.feeds.sources import LoudnessMonitor
 from overview_dsp.data.readers import native
 from overview_dsp.live.inputs.feeds import open_source
 from tests.data.feeds.feeds import apply_line, lines_of
-from tests.data.feeds.servers import FeedServer, wait_until
+from tests.data.feeds.servers import FeedServer, event_stream, wait_until
 
 
 @pytest.fixture(autouse=True)
@@ -325,32 +324,18 @@ def test_a_server_sent_event_without_an_end_is_lost_in_one_line_and_in_bounded_m
 ):
     monkeypatch.setattr(network_sources, "MAX_MESSAGE_BYTES", 1 << 20)
 
-    class Endless(BaseHTTPRequestHandler):
-        def do_GET(self):
-            self.send_response(200)
-            self.send_header("Content-Type", "text/event-stream")
-            self.end_headers()
-            with contextlib.suppress(OSError):
-                while True:
-                    self.wfile.write(b"data: x\n" * 1000)
+    def write(file):
+        while True:
+            file.write(b"data: x\n" * 1000)
 
-        def log_message(self, *_):
-            pass
-
-    server = ThreadingHTTPServer(("127.0.0.1", 0), Endless)
-    server.daemon_threads = True
-    threading.Thread(target=server.serve_forever, daemon=True).start()
-    try:
-        one = follow(f"http://127.0.0.1:{server.server_port}/")
+    with event_stream(write) as address:
+        one = follow(address)
         assert wait_until(lambda: one.lost > 0)
         (line,) = one.take_messages()
         assert "more than 1 MB" in line
         assert "empty line" in line
         one.close()
         assert wait_until(lambda: one.over)
-    finally:
-        server.shutdown()
-        server.server_close()
 
 
 def test_a_source_that_cannot_be_read_ends_with_a_message(follow, tmp_path):
