@@ -36,9 +36,9 @@ from overview_dsp.units import gain_to_db
 POLLS_PER_SECOND, VIEW_EVERY = 30, 3
 """Polls per second, and number of polls between two updates of the view."""
 
-MESSAGE_S, FULL_HEIGHT = 10.0, 20
-"""Time for which a message is shown; height of the screen from which there are large figures,
-legend and signals."""
+MESSAGE_S, FAULTS_EVERY_S, FULL_HEIGHT = 10.0, 60.0, 20
+"""Time for which a message is shown; least time between two on late blocks, which would cover the
+state of a small screen; height from which there are large figures, legend and signals."""
 
 COLUMN_S, DRAWN_EVERY, MAX_COLUMNS = 0.1, 3, 400
 """Torque and vibration: time of a column, columns per update, and number that is kept."""
@@ -216,6 +216,7 @@ class PlayApp(App[None]):
         self._status: Status | None = None
         self.failure: Exception | None = None
         self._ended, self._polls, self._faults = False, 0, 0
+        self._faults_said = -FAULTS_EVERY_S
         self._shown: list[tuple[float, str]] = []
         self._drawn: tuple[object, ...] = ()  # surface and sizes
         self._finger: tuple[float, float] | None = None  # position and time, once it has touched
@@ -279,9 +280,10 @@ class PlayApp(App[None]):
             return
         lines = [printable(line) for text in status.messages for line in text.splitlines()]
         faults = status.stream.late + status.stream.underflows + status.dropped
-        if faults > self._faults:
+        self._status, now = status, time.monotonic()
+        if faults > self._faults and now - self._faults_said >= FAULTS_EVERY_S:
             lines.append("blocks were late, see i")
-        self._faults, self._status, now = faults, status, time.monotonic()
+            self._faults, self._faults_said = faults, now
         self._shown = [(since, line) for since, line in self._shown if now - since < MESSAGE_S]
         self._shown += [(now, line) for line in lines]
         self._polls += 1

@@ -6,6 +6,7 @@ import random
 import re
 from dataclasses import replace
 from datetime import datetime
+from itertools import count
 
 import numpy as np
 import pytest
@@ -262,6 +263,32 @@ def test_a_warning_is_coloured_only_while_there_is_trouble(opened, match):
         assert any("blocks were late, see i" in text(row) for row in parts(app))
 
     drive(player, script, size=(80, 24))
+
+
+def test_blocks_that_are_always_late_do_not_cover_the_state_of_a_small_screen(
+    opened, match, monkeypatch
+):
+    player = opened(match, "football")
+    polled, late = player.poll, count(1)
+    monkeypatch.setattr("overview_dsp.live.screen.app.MESSAGE_S", 1.0)
+
+    def poll():
+        status = polled()
+        return replace(status, stream=replace(status.stream, late=next(late)))
+
+    monkeypatch.setattr(player, "poll", poll)
+
+    async def script(app, pilot):
+        def state():
+            return text(parts(app)[-2])
+
+        assert await until(pilot, lambda: "blocks were late, see i" in state())
+        assert await until(pilot, lambda: "nothing touches the disk" in state())
+        # those that come later are told, too
+        monkeypatch.setattr("overview_dsp.live.screen.app.FAULTS_EVERY_S", 0.0)
+        assert await until(pilot, lambda: "blocks were late, see i" in state())
+
+    drive(player, script, size=(40, 12))
 
 
 def test_what_is_done_next_is_one_label(opened, match):
