@@ -334,6 +334,11 @@ def _format_of(source: DataFile) -> Format:
             f"{source.where}: {other} without a series of times; write its values as a table with "
             "a column of times"
         )
+    if source.looks_like_json and (report := json.error_report(source.json)):
+        raise InputError(
+            f"{source.where}: an error report, not data: {quoted(report)}; check the address and "
+            "its key"
+        )
     raise InputError(
         f"{source.where}: {_described(source)}, not a format that can be read",
         f"{format_hint(source)}; overview timeline formats lists all that can be read",

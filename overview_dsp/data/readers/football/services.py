@@ -36,7 +36,12 @@ from overview_dsp.public import counted
 _MEANINGS: dict[str, Sequence[str]] = ACTIONS["services"]["meanings"]
 """Event kind and detail by the type and detail of a service, in lower case."""
 
-_NOT_BEGUN = frozenset(["NS", "TBD", "PST", "CANC", "SCHEDULED", "TIMED", "POSTPONED", "CANCELLED"])
+_NOT_BEGUN = "has not begun; follow its URL (--follow), or read it again later"
+_NOT_PLAYED = {
+    **dict.fromkeys(("NS", "TBD", "SCHEDULED", "TIMED"), _NOT_BEGUN),
+    **dict.fromkeys(("PST", "POSTPONED"), "is postponed; read it again on its new date"),
+    **dict.fromkeys(("CANC", "CANCELLED"), "is cancelled; choose another one"),
+}
 _FINISHED = frozenset(["FT", "AET", "PEN", "ABD", "AWD", "WO", "FINISHED", "AWARDED"])
 _EXTRA_TIME = frozenset(["AET", "PEN", "ET", "BT", "P", "EXTRA_TIME", "PENALTY_SHOOTOUT"])
 _WITHDRAWN = ("goal cancelled", "goal disallowed")
@@ -126,7 +131,7 @@ class _Match:
     rows: Sequence[_Row] | None
     withdrawn: Sequence[_Row] = ()
     until: Minute | None = None
-    has_started: bool = True
+    not_played: str = ""
     extra_time: bool | None = None
     shoot_out: Pair | None = None
     notes: tuple[str, ...] = ()
@@ -166,10 +171,8 @@ def read(source: DataFile, options: LoadOptions) -> Timeline:
 
 
 def _timeline(match: _Match) -> Timeline:
-    if not match.has_started:
-        raise InputError(
-            "the match has not begun; follow its URL (--follow), or read it again later"
-        )
+    if match.not_played:
+        raise InputError(f"the match {match.not_played}")
     if match.rows is None:
         raise InputError(
             f"the document of {match.service} has no events of the match; request the match alone"
@@ -270,7 +273,7 @@ def _api_match(match: _Part) -> _Match:
         None if listed is None else rows,
         withdrawn,
         until=None if is_over else status.minute("elapsed", "extra") or last,
-        has_started=short not in _NOT_BEGUN,
+        not_played=_NOT_PLAYED.get(short, ""),
         extra_time=short in _EXTRA_TIME or None,
         shoot_out=match.part("score").part("penalty").pair(),
         notes=() if teams.raw else (note,),
@@ -321,7 +324,7 @@ def _data_match(match: _Part) -> _Match:
         final,
         None if goals is None else rows,
         until=None if status in _FINISHED else match.minute("minute", "injuryTime") or _last(rows),
-        has_started=status not in _NOT_BEGUN,
+        not_played=_NOT_PLAYED.get(status, ""),
         extra_time=extra is not None or status in _EXTRA_TIME or None,
         shoot_out=shoot_out,
     )
@@ -353,7 +356,7 @@ def _liga_match(match: _Part) -> _Match:
         score if goals else max(filter(None, results), key=sum, default=None),
         rows,
         until=None if is_finished else _last(rows, 45 if results else 0),
-        has_started=bool(goals or results or is_finished),
+        not_played="" if goals or results or is_finished else _NOT_BEGUN,
         extra_time=any(one.raw.get("isOvertime") is True for one in goals.values()) or None,
         notes=(f"{counted(untimed, 'goal')} without a minute left out",) if untimed else (),
     )  # fmt: skip
@@ -368,6 +371,8 @@ def _matches(document: Any) -> list[_Match]:
             raise InputError(f"API-Football reports {'; '.join(map(quoted, words))}")
         if top["get"] == "fixtures/events" or contains_record(listed, "time", "detail"):
             return [_api_match(_Part({"events": listed}, "response"))]
+        if not listed:
+            raise InputError("API-Football has no match for this request; check its id")
         return [_api_match(one) for one in _Part(top, "document").parts("response") or []]
     if "matches" in top or "homeTeam" in top:
         listed = top.get("matches", [top])

@@ -43,8 +43,14 @@ def read(source: DataFile, options: LoadOptions) -> Timeline:
     """Read a line of a chart (takes `match`, `map`); InputError lists them, or names a value."""
     lines = _lines(source.json)
     chosen = [n for n in lines if options.match in (None, n)]
+    if not lines:
+        kinds = ", ".join(sorted({quoted(layer["type"]) for layer in _layers(source.json)}))
+        raise InputError(
+            f"a chart of type {kinds} has no points with x and y; line, bar, hist and point can be "
+            "read"
+        )
     if len(chosen) != 1:
-        listed = ", ".join(map(quoted, list(lines)[:8])) or "none has points"
+        listed = ", ".join(map(quoted, list(lines)[:8]))
         raise InputError(f"{len(lines)} lines; choose one with match (--select): {listed}")
     x_name, y_name, points = lines[chosen[0]]
     if y_name == x_name:
@@ -108,7 +114,8 @@ def _groups(data: Any) -> Iterator[tuple[str, Points]]:
     """Yield what distinguishes each group of points, and the points."""
     if isinstance(data, dict):
         columns = [data.get(name) for name in "xy"]
-        if all(isinstance(column, list) for column in columns):
+        # a heat map has points beside the names of its rows and columns
+        if "points" not in data and all(isinstance(column, list) for column in columns):
             data = [{"x": x, "y": y} for x, y in zip(*columns, strict=False)]
         else:
             data = data.get("points")

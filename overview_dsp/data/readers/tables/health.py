@@ -1,4 +1,4 @@
-"""The export of Apple Health (export.zip, export.xml) as CSV: time, metric with its unit, value."""
+"""The export of Apple Health (export.zip, export.xml) as CSV: time, metric, source and value."""
 
 from __future__ import annotations
 
@@ -40,7 +40,8 @@ def csv_parts(xml: Iterable[bytes], where: str) -> Iterator[bytes]:
         if tag == "Record" and _NUMBER.fullmatch(has.get("value", "")) and "startDate" in has:
             metric = _TYPE.sub("", has.get("type", "")[:_LONGEST])
             unit = has.get("unit", "")[:_LONGEST]
-            writer.writerow((has["startDate"], f"{metric} ({unit})", has["value"]))
+            source = has.get("sourceName", "")[:_LONGEST]
+            writer.writerow((has["startDate"], f"{metric} ({unit})", source, has["value"]))
             count += 1
 
     def refuse(*_: object) -> NoReturn:
@@ -55,7 +56,7 @@ def csv_parts(xml: Iterable[bytes], where: str) -> Iterator[bytes]:
     parser = expat.ParserCreate()
     parser.StartElementHandler, parser.EntityDeclHandler = start, refuse
     parser.AttlistDeclHandler = attribute
-    yield b"time,metric,value\n"
+    yield b"time,metric,source,value\n"
     try:
         for part in (one[i : i + _PART] for one in xml for i in range(0, len(one), _PART)):
             parser.Parse(part, False)

@@ -102,6 +102,16 @@ def other_document(document: Any) -> str:
     return "a tree (name and children)" if isinstance(document.get("children"), list) else ""
 
 
+def error_report(document: Any) -> str:
+    """Return the words of an error report (RFC 9457, or message and code), "" for other JSON."""
+    top = document if isinstance(document, dict) else {}
+    for words, codes in (("title", ("status",)), ("message", ("errorCode", "error", "status"))):
+        code = next((top[key] for key in codes if type(top.get(key)) is int), None)
+        if code is not None and isinstance(top.get(words), str):
+            return f"{code} {top[words]}"
+    return ""
+
+
 def _tables(value: Any, path: str, depth: int, units: dict[str, str]) -> Iterator[ColumnTable]:
     found = None
     if isinstance(value, dict) and value.get("type") in NAMES["map_shapes"]:
