@@ -280,6 +280,7 @@ class DataFile:
     `origin`: compressed file that was unpacked to `path`, or None.
     `label`: name of the data in error messages, if they are not a file of the user.
     `notes`: notes of the timeline about how the file was opened.
+    `sheets`, `sheet`: sheets of a workbook, and that which an option has chosen.
     """
 
     path: Path
@@ -289,6 +290,8 @@ class DataFile:
     origin: Path | None = None
     label: str = ""
     notes: tuple[str, ...] = ()
+    sheets: tuple[str, ...] = ()
+    sheet: str = ""
 
     @classmethod
     def open(

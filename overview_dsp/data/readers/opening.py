@@ -174,9 +174,8 @@ _DAMAGED = (zlib.error, lzma.LZMAError, zipfile.BadZipFile, OSError, ValueError,
 
 
 def _unpacked(source: DataFile, packed: str, folder: Path) -> DataFile:
-    where, options, notes = source.where, source.options, source.notes
-    if packed == _SHEET:
-        options, notes = workbook.choice(source)
+    source = workbook.with_sheet(source) if packed == _SHEET else source
+    where, options = source.where, source.options
     limit_mb = options.max_mb if options.max_mb is not None else MAX_MB
     if packed not in _READERS:
         raise InputError(f"{where}: a {packed} archive can't be read; unpack it first")
@@ -205,7 +204,8 @@ def _unpacked(source: DataFile, packed: str, folder: Path) -> DataFile:
         return replace(_unpacked(inner, _HEALTH, folder), origin=source.path, label=source.label)
     if packing(inner.head) is not None:
         raise InputError(f"{where}: contains another compressed file; unpack it first")
-    return replace(inner, origin=source.path, label=source.label, notes=notes)
+    inner = replace(inner, notes=source.notes, sheets=source.sheets, sheet=source.sheet)
+    return replace(inner, origin=source.path, label=source.label)
 
 
 def _streamed(open_file: Callable[..., Any], source: DataFile) -> Iterator[bytes]:

@@ -329,6 +329,8 @@ def _format_of(source: DataFile) -> Format:
             continue
         if candidate.sniff(source):
             return candidate
+    if words := signature(source.head, "other"):
+        raise InputError(f"{source.where}: is {words}")
     if source.looks_like_json and (other := json.other_document(source.json)):
         raise InputError(
             f"{source.where}: {other} without a series of times; write its values as a table with "
@@ -445,8 +447,6 @@ def require_no_other_document(source: DataFile) -> None:
 
 def format_hint(source: DataFile) -> str:
     """Return a hint with the most similar format and the missing column."""
-    if words := signature(source.head, "other"):
-        return words
     text = source.head_text
     if text is None:
         return "nearest: text (CSV, JSON), a recording, or a WFDB record"

@@ -237,8 +237,18 @@ def _select(names: list[str], selector: str | None, where: str) -> int:
 
 
 def index_of(names: Sequence[str], selector: str) -> int | None:
-    """Return the index of a name in any case, or of a number from 1; None if there is none."""
+    """Return the index of a name in any case, or of a number from 1; None if there is none.
+
+    InputError: several have the name.
+    """
     lower_names, selector = [name.lower() for name in names], selector.strip().lower()
+    if lower_names.count(selector) > 1:
+        same = ", ".join(str(i) for i, name in enumerate(lower_names, 1) if name == selector)
+        name = names[lower_names.index(selector)]
+        raise InputError(
+            f"signals {same} are called {quoted(name)}; give the number of one as value "
+            "(--value-column)"
+        )
     if selector in lower_names:
         return lower_names.index(selector)
     number = int(selector[:9]) if selector.isascii() and selector.isdigit() else 0

@@ -22,6 +22,7 @@ from overview_dsp.data.readers.tables.cells import is_missing, is_number, looks_
 from overview_dsp.data.readers.tables.column_names import NAMES
 from overview_dsp.data.readers.tables.table import MAX_COLUMNS
 from overview_dsp.data.timeline.time_parsing import FORMS, moment
+from overview_dsp.public import counted
 
 SEPARATORS = (";", "\t", "|", ",")
 """Separators of fields, in addition to blanks (`None`); first those that numbers never contain."""
@@ -35,6 +36,7 @@ SAMPLE_LINES = 400
 _COLUMN_ROWS = 50
 _BLANKS_COST = 0.25
 _LONGEST_UNIT = 24
+_TITLES = 10  # maximum number of rows above the header of a sheet
 _SEPARATOR_LINE = re.compile(r'"?sep=.?"?\s*', re.IGNORECASE)  # first line of some spreadsheets
 _WIDTH = re.compile(r"\d+[sdn]", re.ASCII)  # column widths and types of an RDB file
 _EVENT_LIST = {"time_s", "kind"}
@@ -156,12 +158,14 @@ def _layout(head: tuple[str, ...]) -> tuple[Dialect, list[list[str]], bool] | No
     begin = _begin(rows, width)
     if begin is None or width > MAX_COLUMNS:
         return None
+    begin = _after_titles(rows, begin)
     before = [
         line for i, line in lines if comments and i < rows[begin][0] and line.startswith(COMMENTS)
     ]
     named = split([(0, line.lstrip("#%/").strip()) for line in before[-1:]], separator)
     comment = named[0][1] if named else []
-    notes = [f"{begin} lines before the table (line {rows[begin][0]}) were left out"] * bool(begin)
+    left = f"{counted(begin, 'line')} before the table (line {rows[begin][0]}) left out"
+    notes = [left] * bool(begin)
     header, units, first, note = _header(rows[begin:], comment)
     below = [row for i, row in rows[begin:] if i >= first]
     marks = COMMENTS if comments else ()
@@ -198,6 +202,21 @@ def _begin(rows: Rows, width: int) -> int | None:
         if all(least <= length <= width + 1 for length in lengths[k : k + 3]):
             return k
     return next((k for k, length in enumerate(lengths) if length >= least), None)
+
+
+def _after_titles(rows: Rows, begin: int) -> int:
+    """Return the index of the header: sheets have a title above it, or names of several columns.
+
+    Rows with empty cells, or before an empty row, are left out if a whole row of names follows.
+    """
+    for k in range(begin, min(begin + _TITLES, len(rows))):
+        cells, below = rows[k][1], [row for _, row in rows[k + 1 :]]
+        whole = not any(map(is_missing, cells)) and not all(map(is_missing, below[:1] and below[0]))
+        if whole and any(is_number(cell) or is_date(cell) for cell in cells):
+            break
+        if whole and len(cells) > 1 and _is_header(cells, below):
+            return k
+    return begin
 
 
 def _header(rows: Rows, comment: list[str]) -> tuple[tuple[str, ...], tuple[str, ...], int, str]:

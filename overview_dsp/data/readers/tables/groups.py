@@ -60,7 +60,7 @@ class OneGroup(Table):
 
     def __init__(self, table: Table, texts: Mapping[int, str | None]) -> None:
         self._table, self.texts = table, texts
-        self.kind, self.row_word = table.kind, table.row_word
+        self.kind, self.row_word, self.sheet = table.kind, table.row_word, table.sheet
         self.columns: tuple[Column, ...] = table.columns
         self._only = {i: text for i, text in texts.items() if text is not None}
         named = [f"{quoted(self.columns[i].header)} is {quoted(t)}" for i, t in self._only.items()]
@@ -152,6 +152,8 @@ def _found(
         )
     if not found:
         there = f"; texts are {', '.join(examples)}" if examples else ""
+        if len(table.sheets) > 1 and not table.sheet:
+            there += f"; sheets are {', '.join(map(quoted, table.sheets[:_SHOWN]))}"
         raise InputError(f"match {quoted(option)}: no row contains this text{there}")
     return found
 
@@ -234,10 +236,12 @@ def require_single_series(
     first = zip((*selected, *keys), (*selected.values(), *texts[0]), strict=True)
     chosen = ", ".join(f"{table.columns[i].header}={text}" for i, text in first)
     joined = "" if share_times else f", or {quoted(headers[0] + '=*')} for all rows as one series"
+    several = f", or convert each with --group {quoted(', '.join(headers))} (ov.load_timelines)"
+    if table.sheet:  # the sheet is selected, too
+        chosen, joined, several = f"{table.sheet}, {chosen}", "", ""
     raise InputError(
         f"{column} distinguish{'es' * (len(keys) == 1)} {len(texts)} series ({examples}{more}); "
-        f"choose one with match (--select {quoted(chosen)}{joined}), or convert each with --group "
-        f"{quoted(', '.join(headers))} (ov.load_timelines)"
+        f"choose one with match (--select {quoted(chosen)}{joined}){several}"
     )
 
 

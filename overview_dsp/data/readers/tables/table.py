@@ -141,12 +141,15 @@ class Table:
     `columns`: all columns, in order.
     `row_word`: name of a row in error messages: `line`, `row` or `record`.
     `notes`: messages about how the table was read.
+    `sheets`, `sheet`: sheets of its workbook, and that which an option has chosen.
     """
 
     kind: str
     columns: tuple[Column, ...]
     row_word: str = "row"
     notes: tuple[str, ...] = ()
+    sheets: tuple[str, ...] = ()
+    sheet: str = ""
 
     def chunks(self, columns: Sequence[int]) -> Iterator[Chunk]:
         """Read these columns from the first row; InputError names row and column."""

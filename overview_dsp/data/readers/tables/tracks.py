@@ -63,9 +63,17 @@ def open_table(source: DataFile) -> ColumnTable:
         if moment is None or not math.isfinite(moment):
             timeless += 1
             continue
-        times.append(moment)
-        for name, values in columns.items():
-            values.append(point.get(name, math.nan))
+        known = {name: value for name, value in point.items() if not math.isnan(value)}
+        if (
+            not times
+            or moment != times[-1]
+            or any(not math.isnan(columns[name][-1]) for name in known)
+        ):
+            times.append(moment)
+            for values in columns.values():
+                values.append(math.nan)
+        for name, value in known.items():  # of one time, different values are of one point
+            columns[name][-1] = value
     if len(times) < 2:
         raise InputError(
             f"{len(times)} points of its tracks have a time; a timeline needs two: record the "
@@ -73,15 +81,15 @@ def open_table(source: DataFile) -> ColumnTable:
         )
     order = np.argsort(times, kind="stable")
     time_s = np.asarray(times)[order]
-    known = {name: np.asarray(values)[order] for name, values in columns.items()}
+    ordered = {name: np.asarray(values)[order] for name, values in columns.items()}
     notes = [f"{timeless} points without a time are left out"] if timeless else []
     table: dict[str, NDArray[Any]] = {
         "time": (time_s * 1e6).astype(np.int64).astype("datetime64[us]")
     }
-    table[SPEED] = _speed(time_s, known["lat"], known["lon"], known["distance (m)"])
+    table[SPEED] = _speed(time_s, *(ordered[name] for name in ("lat", "lon", "distance (m)")))
     if _is_empty(table[SPEED]):
-        table[SPEED] = 3.6 * known["speed"]
-    table |= {name: known[name] for name in _COLUMNS}
+        table[SPEED] = 3.6 * ordered["speed"]
+    table |= {name: ordered[name] for name in _COLUMNS}
     present = [name for name, values in table.items() if not _is_empty(values)]
     if len(present) < 2:
         raise InputError("its points have times, but no positions or other values")
@@ -112,7 +120,8 @@ def _fit_points(source: DataFile) -> Iterator[dict[str, float]]:
                 elif isinstance(one.value, int | float):
                     if one.name in _SEMICIRCLES:
                         point[_SEMICIRCLES[one.name]] = one.value * 180.0 / 2**31
-                    elif one.name in FIT_FIELDS:
+                    # a developer's field of the same name may have another unit
+                    elif one.name in FIT_FIELDS and not getattr(one.field_def, "is_dev", False):
                         point.setdefault(FIT_FIELDS[one.name], float(one.value))
             yield point
 

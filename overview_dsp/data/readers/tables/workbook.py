@@ -11,7 +11,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import IO, cast
 
-from overview_dsp.data.readers.data_file import DataFile, LoadOptions
+from overview_dsp.data.readers.data_file import DataFile
 from overview_dsp.errors import InputError, quoted
 from overview_dsp.installation import require_package
 
@@ -19,26 +19,29 @@ _CHILD = Path(__file__).with_name("workbook_process.py")
 _PART = 1 << 20
 
 
-def choice(source: DataFile) -> tuple[LoadOptions, tuple[str, ...]]:
-    """Return the options for the sheet that is read, without its name, and notes about it.
+def with_sheet(source: DataFile) -> DataFile:
+    """Return the file with its sheets, and that which the option `match` begins with.
 
     InputError: the file can't be read, or is protected by a password.
     """
-    sheets = json.loads(b"".join(_printed(source)))
-    if source.options.match in sheets:
-        return replace(source.options, match=None), source.notes
+    sheets, match = tuple(json.loads(b"".join(_printed(source)))), source.options.match or ""
+    named = [one for one in sheets if match == one or match.startswith(f"{one}, ")]
+    if named:
+        sheet = max(named, key=len)
+        options = replace(source.options, match=match[len(sheet) + 2 :] or None)
+        return replace(source, options=options, sheets=sheets, sheet=sheet)
     names = ", ".join(map(quoted, sheets[:6]))
     note = f"the first sheet with cells is read; match (--select) takes one of {names}"
-    return source.options, (*source.notes, *([note] if len(sheets) > 1 else []))
+    return replace(source, sheets=sheets, notes=(*source.notes, *([note] * (len(sheets) > 1))))
 
 
 def csv_parts(source: DataFile) -> Iterator[bytes]:
-    """Yield the rows of a sheet as CSV: that named by the option `match`, or the first with cells.
+    """Yield the rows of a sheet as CSV: that of the file, or the first with cells.
 
     InputError: the sheet needs too much memory, or there are no cells.
     """
     empty = True
-    for part in _printed(source, source.options.match or ""):
+    for part in _printed(source, source.sheet):
         empty = False
         yield part
     if empty:

@@ -11,10 +11,17 @@ import datetime as dt
 import io
 import itertools
 import json
+import re
 import sys
+import zipfile
+from collections.abc import Sequence
 
 MEMORY_BYTES = 3 << 30
 ROWS = 1000
+DAYS_TO_1904 = 1462
+"""Days from 1899-12-30, from which plain numbers of dates count, to the first one of old Macs."""
+
+_DATED = re.compile("date|datum", re.IGNORECASE)
 
 
 def text_of(cell: object) -> str:
@@ -28,6 +35,21 @@ def text_of(cell: object) -> str:
     if isinstance(cell, float):
         return str(int(cell)) if cell.is_integer() and abs(cell) < 2**53 else repr(cell)
     return str(cell)
+
+
+def moved_days(path: str) -> int:
+    """Return the days to add to dates that are plain numbers: 0, unless they count from 1904."""
+    with contextlib.suppress(zipfile.BadZipFile, KeyError), zipfile.ZipFile(path) as archive:
+        if re.search(rb'date1904="(1|true)"', archive.read("xl/workbook.xml")):
+            return DAYS_TO_1904
+    return 0
+
+
+def moved(row: Sequence[object], dated: set[int], days: int) -> list[object]:
+    """Return a row with its plain numbers in columns of dates moved; adds columns to `dated`."""
+    dated |= {i for i, cell in enumerate(row) if isinstance(cell, str) and _DATED.search(cell)}
+    numbers = {i for i in dated if i < len(row) and type(row[i]) in (int, float)}
+    return [float(str(c)) + days if i in numbers else c for i, c in enumerate(row)]
 
 
 def main(path: str, *sheets: str) -> None:
@@ -44,12 +66,14 @@ def main(path: str, *sheets: str) -> None:
     if not sheets:
         print(json.dumps(book.sheet_names))
         return
+    days = moved_days(path)
     for name in sheets if sheets[0] in book.sheet_names else book.sheet_names:
         rows = iter(book.get_sheet_by_name(name).iter_rows())
-        count = 0
+        count, dated = 0, set[int]()
         while some := list(itertools.islice(rows, ROWS)):
             text = io.StringIO()
-            csv.writer(text, lineterminator="\n").writerows(map(text_of, row) for row in some)
+            cells = [moved(row, dated, days) for row in some] if days else some
+            csv.writer(text, lineterminator="\n").writerows(map(text_of, row) for row in cells)
             sys.stdout.buffer.write(text.getvalue().encode())
             count += len(some)
         if count:
