@@ -113,6 +113,12 @@ def test_the_companion_beside_the_file_gives_names_home_and_score(tmp_path: Path
     assert not any("home" in note for note in timeline.notes)
 
 
+def test_companions_without_events_are_refused_by_name(tmp_path: Path) -> None:
+    path = write(tmp_path, [companion()], "matches_England.json")
+    with pytest.raises(InputError, match=r"matches of Wyscout, without their events; read"):
+        load_timeline(path)
+
+
 def test_a_companion_whose_score_differs_is_noted(tmp_path: Path) -> None:
     other = companion()
     other["teamsData"][str(HOME_ID)]["score"] = 4

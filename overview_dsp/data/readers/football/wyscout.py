@@ -58,6 +58,7 @@ _GOAL, _OWN_GOAL, _ACCURATE, _BLOCKED = 101, 102, 1801, 2101
 _FRAME = frozenset(range(1201, 1210))
 _POST = frozenset(range(1217, 1224))
 _CARDS = {1701: ("red_card", ""), 1702: ("yellow_card", ""), 1703: ("red_card", "second yellow")}
+_EVENT, _MATCH = ("matchPeriod", "eventSec"), ("teamsData", "wyId")
 _PERIODS = {"1H": 1, "2H": 2, "E1": 3, "E2": 4, "P": SHOOT_OUT}
 _EVENTS: dict[str, int] = ACTIONS["wyscout"]["events"]
 _BALL_TOUCHES = {_EVENTS[name]: text for name, text in ACTIONS["wyscout"]["touches"].items()}
@@ -105,10 +106,11 @@ class _Event:
 
 
 def sniff(source: DataFile) -> bool:
-    """Return whether the file is JSON of events with `matchPeriod` and `eventSec`."""
-    if not source.looks_like_json or '"matchPeriod"' not in source.text:
+    """Return whether the file is JSON of events, or of matches without them, which is an error."""
+    text = source.text if source.looks_like_json else ""
+    if '"matchPeriod"' not in text and '"teamsData"' not in text:
         return False
-    return contains_record(_listed(source.json), "matchPeriod", "eventSec")
+    return any(contains_record(_listed(source.json), *keys) for keys in (_EVENT, _MATCH))
 
 
 def matches(source: DataFile) -> list[str]:
@@ -284,6 +286,8 @@ def _players(document: object) -> dict[str, str]:
 
 def _grouped(document: object) -> dict[str, list[tuple[int, object]]]:
     """Return the events and their numbers from 1, by the id of the match."""
+    if contains_record(_listed(document), *_MATCH):
+        raise InputError("the matches of Wyscout, without their events; read the file of events")
     grouped: dict[str, list[tuple[int, object]]] = {}
     for i, raw in enumerate(_listed(document), start=1):
         id_ = _id(raw.get("matchId")) if isinstance(raw, dict) else ""
