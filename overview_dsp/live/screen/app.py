@@ -378,8 +378,13 @@ class PlayApp(App[None]):
         """Show the figures of the output and the signal processing, and past stops."""
         status = self._status or self.player.poll()
         actuator, protected, load = status.settings.actuator, status.protected, status.stream
-        times = (1e3 * load.latency_s, 1e6 * load.p99_s, 1e6 * load.longest_s, 1e3 * status.torque)
-        text = view.TABLES["words"]["figures"].format(*times, status=status, stream=load)
+        told = {} if self._source is None else self._source.report()
+        parts = {"input": told["wait_p99_ms"]} if "wait_p99_ms" in told else {}
+        parts["smoothing"] = 1e3 * self.player.engine.latency_samples / status.sample_rate
+        parts["output"] = 1e3 * load.latency_s
+        path = " + ".join(f"{name} {ms:.1f}" for name, ms in parts.items())
+        times = (sum(parts.values()), 1e6 * load.p99_s, 1e6 * load.longest_s, 1e3 * status.torque)
+        text = view.TABLES["words"]["figures"].format(*times, status=status, stream=load, path=path)
         text += "" if self._source is None else f"{self._source.status_text}\n"
         if actuator is not None and protected is not None:
             text += f"{actuator.name} {-protected.reduction_db:.1f} dB"

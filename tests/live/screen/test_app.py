@@ -336,6 +336,9 @@ class CountingHand(Input):
         said, self._messages = tuple(self._messages), []
         return said
 
+    def report(self):
+        return {"wait_p50_ms": 1.0, "wait_p99_ms": 2.5}
+
 
 def test_an_inputs_counters_and_messages_are_on_the_screen(player):
     async def inside():
@@ -345,6 +348,9 @@ def test_an_inputs_counters_and_messages_are_on_the_screen(player):
             assert await until(pilot, lambda: shows(app, "serial:made"))
             await pilot.press("i")
             assert await until(pilot, lambda: shows(app, "7 readings, 2 damaged"))
+            output = 1e3 * app._status.stream.latency_s
+            path = f"latency {2.5 + 8.0 + output:.1f} ms: input 2.5 + smoothing 8.0 + output"
+            assert shows(app, path)
 
     run(inside())
 
