@@ -154,7 +154,7 @@ def test_every_row_is_where_the_design_has_it(opened, match, monkeypatch, size, 
         assert shown[-4].startswith(" torque ")
         assert shown[-3].startswith(" vibration ")
     assert shown[-2].startswith(" Running  ")
-    assert "output 5.3 ms" in shown[-2] or not full
+    assert "movement to output 13.3 ms" in shown[-2] or not full
     assert shown[-1].endswith("? help  q quit ")
     assert " Esc release " in shown[-1]
     if mode == "ascii":
