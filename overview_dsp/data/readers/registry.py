@@ -341,6 +341,12 @@ def _format_of(source: DataFile) -> Format:
             f"{source.where}: an error report, not data: {quoted(report)}; check the address and "
             "its key"
         )
+    if len(source.sheets) > 1 and not source.sheet:
+        names = ", ".join(map(quoted, source.sheets[:6]))
+        raise InputError(
+            f"{source.where}: the first sheet with cells has no table of times; choose a sheet "
+            f"with match (--select): {names}"
+        )
     raise InputError(
         f"{source.where}: {_described(source)}, not a format that can be read",
         f"{format_hint(source)}; overview timeline formats lists all that can be read",

@@ -145,7 +145,7 @@ def test_a_damaged_or_empty_spreadsheet_is_refused(tmp_path: Path) -> None:
     with pytest.raises(ov.InputError, match="no cells"):
         ov.load_timeline(workbook(tmp_path / "empty.xlsx", A=[], B=[]))
     wrong = workbook(tmp_path / "wrong.xlsx", A=[*PRICES, ("later", 3.0, None), (DAYS[0], 1, None)])
-    with pytest.raises(ov.InputError, match=r"wrong.xlsx: line 6, column 'date'.*later"):
+    with pytest.raises(ov.InputError, match=r"wrong.xlsx: row 6, column 'date'.*later"):
         ov.load_timeline(wrong)
     # a cell in the last row and column would need 400 GB
     with zipfile.ZipFile(wrong) as book, zipfile.ZipFile(tmp_path / "far.xlsx", "w") as other:

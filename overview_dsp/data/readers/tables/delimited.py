@@ -108,7 +108,8 @@ class DelimitedTable(Table):
             Column.of(name, unit) for name, unit in zip(dialect.header, dialect.units, strict=True)
         )
         self.notes = dialect.notes
-        if isinstance(source, DataFile):
+        if isinstance(source, DataFile) and source.sheets:
+            self.kind, self.row_word = "spreadsheet", "row"
             self.sheets, self.sheet = source.sheets, source.sheet
         self.separator = dialect.separator
         self.comments: dict[int, str] = {}
