@@ -16,6 +16,7 @@ from overview_dsp.measure.report import feel_report
 from overview_dsp.measure.tuning import JUDGED, ORDERED_JNDS, REST, rearranged, tune
 from tests.cli.running import MATCH, overview
 from tests.measure.test_feel_report import SWEEPS, preset_of, timeline_of
+from tests.parameters import first_in_gate
 
 
 @pytest.fixture
@@ -48,6 +49,7 @@ def test_tuning_sets_kinds_two_jnds_apart_at_every_speed(two_apart):
         assert strong.level_db > weak.level_db + 2.3
 
 
+@pytest.mark.soak
 def test_separated_kinds_are_all_distinct():
     preset = preset_of(a=20.0, b=20.0, d=8.0)
     found = tune(preset, ("a", "d"), separate=True, seed=1)
@@ -63,7 +65,7 @@ def test_separated_kinds_are_all_distinct():
 
 
 @pytest.mark.usefixtures("few_strokes")
-@pytest.mark.parametrize("apart", [False, True])
+@pytest.mark.parametrize("apart", first_in_gate([True, False]))
 def test_a_search_gives_the_same_preset_for_a_seed(monkeypatch, apart):
     for name in ("TRIES", "TRIES_SEPARATE"):
         monkeypatch.setattr(tuning, name, 6)  # however far it comes

@@ -22,6 +22,7 @@ from overview_dsp.measure.arm import arm_report
 from overview_dsp.measure.pictures import pages
 from overview_dsp.measure.report import character_distance, feel_report
 from tests.design.presets.strategies import values
+from tests.parameters import first_in_gate
 
 NAMES = ov.bundled_presets()
 ASKED = {
@@ -72,7 +73,7 @@ def test_all_kinds_differ_and_none_is_masked_or_merged_in_sweeps_of_1_to_6_secon
         assert {kind.kind for kind in stroke.kinds if kind.passed} == set(preset.kinds), seconds
 
 
-@pytest.mark.parametrize("data", ["world-cup-final-2018", "made-up-share"])
+@pytest.mark.parametrize("data", first_in_gate(["world-cup-final-2018", "made-up-share"]))
 def test_a_finger_feels_any_two_presets_two_steps_apart_on_one_timeline(data):
     timeline = ov.load_timeline(data)
     with warnings.catch_warnings():

@@ -39,6 +39,7 @@ def character_of(name, data):
         return perceptual_features(ov.load_preset(name), timeline_of(data), sample_rate=RATE)
 
 
+@pytest.mark.soak
 def test_with_levels_matched_any_two_presets_differ_by_two_steps_on_a_match_or_a_series():
     nearest = dict.fromkeys(itertools.combinations(NAMES, 2), 0.0)
     for data in DATA:  # the next one only for pairs that this doesn't tell

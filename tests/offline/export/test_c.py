@@ -21,6 +21,7 @@ from overview_dsp.design.presets.parameters import PARAMETERS
 from overview_dsp.errors import OverviewError
 from overview_dsp.kernels import layout
 from tests.cli.running import MATCH, overview
+from tests.parameters import first_in_gate
 from tests.web.surfaces import preset_of
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -285,7 +286,7 @@ ATOMICS = {
 """Options of gcc for each way in which `operations.h` orders the queues of threads."""
 
 
-@pytest.mark.parametrize("name", list(ATOMICS)[1:])
+@pytest.mark.parametrize("name", first_in_gate(list(ATOMICS)[1:]))
 def test_every_kind_of_atomic_access_gives_the_same_bits(folders, native, tmp_path, name):
     options = ("-Wno-builtin-macro-redefined", *ATOMICS[name])
     program = (str(built(folders["viscous"], ("gcc", "-O1", *options), tmp_path / "run")),)

@@ -13,6 +13,7 @@ from overview_dsp.design.gestures.model import Change
 from overview_dsp.kernels.derive import ARRIVAL_S
 from overview_dsp.offline.rendering import offline
 from tests.examples import plain_preset, timeline_of
+from tests.parameters import first_in_gate
 
 RATE = 8_000
 NEAR = 0.006
@@ -28,7 +29,7 @@ def clutched(preset: ov.Preset) -> ov.Preset:
     return preset.with_changes({"clutch.max_speed_ratio": 1.1, "clutch.tap_duration_s": 1.6})
 
 
-@pytest.mark.parametrize("name", ["football", "ratchet", "silk"])
+@pytest.mark.parametrize("name", first_in_gate(["football", "ratchet", "silk"]))
 @pytest.mark.parametrize("slips", [False, True])
 def test_when_it_disengages_depends_on_no_partition_into_blocks(match, monkeypatch, name, slips):
     preset = ov.load_preset(name)

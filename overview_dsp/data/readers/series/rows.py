@@ -142,7 +142,8 @@ def in_order(reader: RowReader, read: Rows) -> tuple[Rows, list[str]]:
     ordered = read if order is None else read[:, order]
     single = last_of_each_time(ordered)
     if repeats := ordered.shape[1] - single.shape[1]:
-        notes.append(f"{repeats} rows repeat a time; the last value of each time counts")
+        rows = "1 row repeats" if repeats == 1 else f"{repeats} rows repeat"
+        notes.append(f"{rows} a time; the last value of each time counts")
     return single, notes
 
 
