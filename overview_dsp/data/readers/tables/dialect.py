@@ -205,17 +205,19 @@ def _begin(rows: Rows, width: int) -> int | None:
 
 
 def _after_titles(rows: Rows, begin: int) -> int:
-    """Return the index of the header: sheets have a title above it, or names of several columns.
+    """Return the index of the header, below titles and names of several columns.
 
-    Rows with empty cells, or before an empty row, are left out if a whole row of names follows.
+    A row above a whole row of names is left out if it has text in the first cell only, two or more
+    empty cells, or an empty row below it. Under other rows, those names are units.
     """
-    for k in range(begin, min(begin + _TITLES, len(rows))):
+    for k in range(begin, min(begin + _TITLES, len(rows) - 1)):
         cells, below = rows[k][1], [row for _, row in rows[k + 1 :]]
-        whole = not any(map(is_missing, cells)) and not all(map(is_missing, below[:1] and below[0]))
-        if whole and any(is_number(cell) or is_date(cell) for cell in cells):
-            break
-        if whole and len(cells) > 1 and _is_header(cells, below):
-            return k
+        missing, is_last = [*map(is_missing, cells)], all(map(is_missing, below[0]))
+        if not any(missing) and not is_last:
+            named = not any(is_number(cell) or is_date(cell) for cell in cells)
+            return k if named and len(cells) > 1 and _is_header(cells, below) else begin
+        if sum(missing) < 2 and not all(missing[1:]) and not is_last:
+            return begin
     return begin
 
 
@@ -228,6 +230,8 @@ def _header(rows: Rows, comment: list[str]) -> tuple[tuple[str, ...], tuple[str,
         header, first = top, first + 1
         if len(below) > 1 and _is_units(below[0], below[1:]):
             units, first, below = below[0], rows[1][0] + 1, below[1:]
+            if len(below) > 1 and _is_units(below[0], below[1:]):  # how a logger made each value
+                first, below = rows[2][0] + 1, below[1:]
         elif len(below) > 1 and all(_WIDTH.fullmatch(cell.strip()) for cell in below[0]):
             first, below = rows[1][0] + 1, below[1:]
     else:

@@ -69,6 +69,32 @@ def test_units_in_the_header_in_any_usual_encoding(tmp_path: Path, encoding: str
     assert noted(timeline, "Windows-1252") is (encoding == "cp1252")
 
 
+LOGGED = "".join(f'"2024-06-03 0{hour}:00:00",{hour},{hour * hour}\n' for hour in range(6))
+TOA5 = (
+    '"TOA5","CR1000","CR1000","1234","CR1000.Std.27","CPU:prog.CR1","55555","Table1"\n'
+    '"TIMESTAMP","RECORD","AirTC_Avg"\n"TS","RN","Deg C"\n"","","Avg"\n'
+)
+
+
+@pytest.mark.parametrize(
+    ("head", "value", "unit"),
+    [
+        (TOA5, "AirTC_Avg", "Deg C"),  # a logger of Campbell Scientific
+        (",no,Temp\nUTC,-,degC\n", "Temp", "degC"),
+        ("A day,,\n,Oslo,\nday,no,Temp\n", "Temp", ""),
+        ("A day,,\nexported on,2 March,\n,,\nday,no,Temp (K)\n", "Temp", "K"),
+    ],
+)
+def test_rows_above_and_below_the_names_of_columns(
+    tmp_path: Path, head: str, value: str, unit: str
+) -> None:
+    (tmp_path / "log.csv").write_text(head + LOGGED)
+    curve = load_timeline(tmp_path / "log.csv", value=value).intensity
+    assert curve is not None
+    assert curve.value.tolist() == [0, 1, 4, 9, 16, 25]
+    assert curve.unit == unit
+
+
 def test_a_row_of_units_below_the_header_is_no_data(tmp_path: Path) -> None:
     timeline = load(tmp_path, DAILY.replace("temp\n", "temp\n,deg C\n"))
     assert timeline.intensity is not None
