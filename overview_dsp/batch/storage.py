@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from overview_dsp.errors import InputError
-from overview_dsp.files.atomic import output_error
+from overview_dsp.files.atomic import output_errors
 from overview_dsp.installation import require_package
 
 UNFINISHED = ".unfinished"  # folder of incomplete files, which the next run deletes after a crash
@@ -55,7 +55,7 @@ class Storage:
     def put(self, name: str, data: bytes) -> None:
         """Write a file, complete or not at all; InputError or OutputError."""
         folder = name.rpartition("/")[0]
-        try:
+        with output_errors(Path(self.where, name)):
             if self._path is None:
                 if folder not in self._made:
                     self._fs.makedirs(self._remote(folder).rstrip("/"), exist_ok=True)
@@ -73,8 +73,6 @@ class Storage:
                     if last:
                         raise
                     self._made.clear()
-        except OSError as error:
-            raise output_error(Path(self.where, name), error) from error
 
     def _put_in_folder(self, name: str, data: bytes) -> None:
         assert self._path is not None

@@ -23,6 +23,15 @@ def output_error(path: Path, error: OSError) -> InputError | OutputError:
     return InputError(f"{path}: can't be written ({reason}); choose a folder you may write to")
 
 
+@contextlib.contextmanager
+def output_errors(path: Path) -> Iterator[None]:
+    """Raise the `output_error` of any failed write inside."""
+    try:
+        yield
+    except OSError as error:
+        raise output_error(path, error) from error
+
+
 _inputs: set[tuple[int, int]] = set()
 
 
@@ -136,10 +145,8 @@ def write_file(path: str | os.PathLike[str], content: str | bytes, private: bool
 def make_folder(path: str | os.PathLike[str]) -> Path:
     """Make a folder for outputs, with its parents; InputError if that fails."""
     folder = Path(path)
-    try:
+    with output_errors(folder):
         folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise output_error(folder, error) from error
     return folder
 
 

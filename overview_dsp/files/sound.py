@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from overview_dsp.arrays import SampleArray
 from overview_dsp.errors import InputError, OutputError
-from overview_dsp.files.atomic import atomic_file, output_error
+from overview_dsp.files.atomic import atomic_file, output_error, output_errors
 
 PACKED = {"PCM_16": 2, "PCM_24": 3, "PCM_32": 4}
 """Bytes per sample of the subtypes that are packed here."""
@@ -360,24 +360,19 @@ def add_cues(path: Path, cues: Sequence[tuple[int, str]]) -> None:
     InputError if the file isn't a WAV file, or is too large.
     """
     chunks = cue_chunks(cues)
-    try:
+    with output_errors(path):
         with open(path, "rb") as file:
             head = file.read(12)
         size = path.stat().st_size
-    except OSError as error:
-        raise output_error(path, error) from None
     if head[:4] != b"RIFF" or head[8:] != b"WAVE":
         raise InputError(f"{path}: cue points need a .wav file; use a transcript for other formats")
     padding = bytes(size % 2)
     if size + len(padding) + len(chunks) - 8 > MAX_BYTES:
         raise InputError(f"{path}: cue points make the WAV file larger than 4 GB; use a transcript")
     with atomic_file(path) as temporary:
-        try:
-            shutil.copyfile(path, temporary)
-            with open(temporary, "r+b") as file:
-                file.seek(0, 2)
-                file.write(padding + chunks)
-                file.seek(4)
-                file.write(struct.pack("<I", size + len(padding) + len(chunks) - 8))
-        except OSError as error:
-            raise output_error(path, error) from None
+        shutil.copyfile(path, temporary)
+        with open(temporary, "r+b") as file:
+            file.seek(0, 2)
+            file.write(padding + chunks)
+            file.seek(4)
+            file.write(struct.pack("<I", size + len(padding) + len(chunks) - 8))

@@ -17,7 +17,7 @@ from typing import Any
 
 from overview_dsp.design.gestures.recorded_take import COLUMNS, VERSION, event_line, save_document
 from overview_dsp.errors import InputError, OutputError
-from overview_dsp.files.atomic import output_error
+from overview_dsp.files.atomic import output_error, output_errors
 
 Event = tuple[int, int, float, bool]
 """Sample, source (index of `SOURCES`), theta2 (rad), touching."""
@@ -37,7 +37,7 @@ class TakeWriter:
         self._about = dict(about)
         self._changes: list[tuple[int, Mapping[str, Any]]] = []
         self._last: Event = (-1, 0, 0.0, False)
-        try:
+        with output_errors(self.path):
             rename_existing(self.path)
             # the JSON first, so that the CSV is never without it
             self._beside = _Lines(self.path.with_suffix(".json"))
@@ -45,8 +45,6 @@ class TakeWriter:
             head = {"overview_take": VERSION, "sample_rate": sample_rate, **about}
             self._beside.append(_json_line(head))
             self._lines.append(",".join(COLUMNS) + "\n")
-        except OSError as error:
-            raise output_error(self.path, error) from error
 
     @property
     def played_s(self) -> float:

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 from overview_dsp.design.gestures import Gesture
 from overview_dsp.design.presets.model import Preset
 from overview_dsp.errors import InputError
-from overview_dsp.files.atomic import output_error
+from overview_dsp.files.atomic import output_errors
 
 if TYPE_CHECKING:
     from overview_dsp.live.session.player import Player
@@ -83,12 +83,10 @@ class AbxTrials:
             f"{abx_p(self.hits, self.trials):.4g}", f"{abx_d_prime(self.hits, self.trials):.3f}",
         ))  # fmt: skip
         self.x, self.felt_x = self._random.randrange(2), False
-        try:
+        with output_errors(self._path):
             header = [] if self._path.exists() else [COLUMNS]
             with open(self._path, "a", newline="", encoding="utf-8") as file:
                 csv.writer(file).writerows([*header, *self._unwritten])
-        except OSError as error:
-            raise output_error(self._path, error) from error
         self._unwritten.clear()
         return f"answer {self.trials}; X is drawn again"
 

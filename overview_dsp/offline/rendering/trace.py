@@ -13,7 +13,7 @@ import numpy as np
 
 from overview_dsp.arrays import FloatArray
 from overview_dsp.errors import InputError
-from overview_dsp.files.atomic import atomic_file, output_error
+from overview_dsp.files.atomic import atomic_file, output_errors
 from overview_dsp.kernels.layout import TRACE_COLUMNS
 from overview_dsp.public import dataframe
 
@@ -151,7 +151,7 @@ class TraceWriter(contextlib.ExitStack):
         self._as_text = path is not None and path.suffix.lower() == ".csv"
         self._columns: list[IO[bytes]] = []
         self._frames = 0
-        self._finished = path is None
+        self._finished = False
 
     def __enter__(self) -> TraceWriter:
         if self._path is None:
@@ -159,7 +159,7 @@ class TraceWriter(contextlib.ExitStack):
         # after an error the inner stack removes the temporary files
         with contextlib.ExitStack() as stack:
             self._target = stack.enter_context(atomic_file(self._path))
-            with self._disk_errors():
+            with output_errors(self._path):
                 if self._as_text:
                     self._columns = [stack.enter_context(open(self._target, "wb"))]
                     self._columns[0].write((",".join(TRACE_COLUMNS) + "\n").encode())
@@ -177,7 +177,7 @@ class TraceWriter(contextlib.ExitStack):
         if self._path is None or not len(table):
             return
         self._frames += len(table)
-        with self._disk_errors():
+        with output_errors(self._path):
             if self._as_text:
                 lines = (",".join(map(repr, row)) for row in table.tolist())
                 self._columns[0].write(("\n".join(lines) + "\n").encode())
@@ -187,10 +187,10 @@ class TraceWriter(contextlib.ExitStack):
 
     def finish(self) -> None:
         """Write all remaining data, so that a full disk is detected before any file appears."""
-        if self._finished:
+        if self._path is None or self._finished:
             return
         self._finished = True
-        with self._disk_errors():
+        with output_errors(self._path):
             if self._as_text:
                 self._columns[0].flush()
             else:
@@ -205,11 +205,3 @@ class TraceWriter(contextlib.ExitStack):
                     np.lib.format.write_array_header_1_0(member, header)
                     while piece := file.read(1 << 20):
                         member.write(piece)
-
-    @contextlib.contextmanager
-    def _disk_errors(self) -> Iterator[None]:
-        try:
-            yield
-        except OSError as error:
-            assert self._path is not None
-            raise output_error(self._path, error) from None
