@@ -49,6 +49,7 @@ from overview_dsp.errors import InputError, did_you_mean, quoted
 from overview_dsp.files.schema import Allowed, Fault, Path, Strict, checked, named
 from overview_dsp.files.toml import line_of, load_toml, parse_toml
 from overview_dsp.kernels.layout import MAX_KINDS, MAX_MODES
+from overview_dsp.validation import prefix_errors
 
 SCHEMA = 4
 
@@ -125,10 +126,8 @@ def read_layers(source: str, text: str, find: Find) -> list[Layer]:
             raise InputError(f"{here.source}: extends = {quoted(base)}; must be a preset's name")
         if len(layers) == MAX_LAYERS:
             raise InputError(f"{source}: more than {MAX_LAYERS} presets extend each other")
-        try:
+        with prefix_errors(f"{here.source}: extends: "):
             found = find(base, here.source)
-        except InputError as error:
-            raise InputError(f"{here.source}: extends: {error}") from None
         if any(found[0] == layer.source for layer in layers):
             raise InputError(f"{here.source}: extends {base!r}, which extends it in turn")
         layers.append(_layer(*found))
@@ -310,12 +309,10 @@ def parse_preset(text: str, name: str, source: str, find: Find = _no_base) -> Pr
     points = dumped["surface"].pop("points")
     values = {f"{name}.{key}": value for name in SECTIONS for key, value in dumped[name].items()}
     title, description, authors = (dumped[key] for key in ("title", "description", "authors"))
-    try:
+    with prefix_errors(f"{source}: "):
         return Preset(
             name, title, description, values, kinds, Tags(**dumped["tags"]), authors, points
         )
-    except InputError as error:
-        raise InputError(f"{source}: {error}") from None
 
 
 def _location(layers: list[Layer], path: Path) -> str:

@@ -20,6 +20,7 @@ from overview_dsp.devices.controllers.control_map import (
 )
 from overview_dsp.errors import InputError, did_you_mean
 from overview_dsp.units import HALF_TURN
+from overview_dsp.validation import prefix_errors
 
 
 @dataclass(frozen=True)
@@ -198,13 +199,11 @@ def require_parameters(controls: Iterable[Control], preset: Preset) -> None:
     """Raise InputError unless the controls' parameters exist and their ends are in range."""
     for one in controls:
         if one.to not in (THETA2, TAPS, *SWITCHES):
-            try:
+            with prefix_errors(f"MIDI {one.name!r}: "):
                 known, _ = find_parameter(preset, one.to)
                 for end in (one.low, one.high):
                     if end is not None:
                         known.check(end)
-            except InputError as error:
-                raise InputError(f"MIDI {one.name!r}: {error}") from None
 
 
 def coerce_value(known: Parameter, value: Value) -> Value:
