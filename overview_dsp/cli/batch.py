@@ -55,15 +55,10 @@ def command(
         )
         error.exit_code = stop_code()
         raise error from None
-    report = {
-        "cases": result.cases,
-        "cached": result.cached,
-        "rendered": result.rendered,
-        "failed": [{"index": index, "error": why} for index, why in result.failed],
-        "manifest": result.manifest,
-    }
+    failed = [{"index": index, "error": why} for index, why in result.failed]
     before = f", {result.cached} cached" if result.cached else ""
-    show(as_json, report, f"{result.manifest}: {result.rendered} rendered{before}")
+    line = f"{result.manifest}: {result.rendered} rendered{before}"
+    show(as_json, {**vars(result), "failed": failed}, line)
     for index, why in result.failed[:MAX_SHOWN_FAILURES]:
         click.echo(f"failed: render {index}: {why}", err=True)
     if result.failed:

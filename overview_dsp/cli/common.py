@@ -133,14 +133,13 @@ def show(as_json: bool, report: Any, *lines: object) -> None:
 def list_profiles(
     names: Iterable[str],
     load: Callable[[str], T],
-    described: Callable[[T], dict[str, Any]],
+    more: Callable[[T], dict[str, Any]],
     as_json: bool,
     remark: Callable[[T], str] = lambda profile: "",
 ) -> None:
     """List profiles with name, title and description; print errors of invalid files as notes.
 
-    `described` returns the JSON report of a profile, with these three keys; `remark` the end of its
-    line.
+    `more` returns the other keys of a profile's JSON report; `remark` the end of its line.
     """
     found, faults = [], []
     for name in names:
@@ -148,7 +147,8 @@ def list_profiles(
             found.append(load(name))
         except InputError as error:
             faults.append(str(error))
-    rows = [described(profile) for profile in found]
+    texts = ("name", "title", "description")
+    rows = [{key: getattr(one, key) for key in texts} | more(one) for one in found]
     width = max((len(row["name"]) for row in rows), default=0)
     lines = (
         f"{row['name']:<{width}}  {row['title']}: {row['description']}{remark(profile)}"

@@ -32,13 +32,7 @@ def list_(*, as_json: bool = JSON) -> None:
     list_profiles(
         actuator_names(),
         apply_calibration,
-        lambda actuator: {
-            "name": actuator.name,
-            "title": actuator.title,
-            "description": actuator.description,
-            "calibration_db": actuator.gain_db,
-            "file": actuator.source,
-        },
+        lambda actuator: {"calibration_db": actuator.gain_db, "file": actuator.source},
         as_json,
         lambda one: f" (calibrated {one.gain_db:+.1f} dB)" if one.gain_db else "",
     )
@@ -47,7 +41,6 @@ def list_(*, as_json: bool = JSON) -> None:
 @cli_command("actuators show c2", group=command)
 def show(name: str, *, as_json: bool = JSON) -> None:
     """Show all values and limits of the actuator NAME (or of a .toml file)."""
-    from overview_dsp.cli.actuators import describe, describe_json
     from overview_dsp.signal.actuators.calibration import apply_calibration
 
     actuator = apply_calibration(name)

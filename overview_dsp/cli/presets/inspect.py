@@ -41,13 +41,7 @@ def list_(
     list_profiles(
         names,
         library.load_preset,
-        lambda preset: {
-            "name": preset.name,
-            "title": preset.title,
-            "description": preset.description,
-            "tags": vars(preset.tags),
-            "file": str(library.preset_path(preset.name)),
-        },
+        lambda preset: {"tags": vars(preset.tags), "file": str(library.preset_path(preset.name))},
         as_json,
     )
     if not names and not as_json:
