@@ -22,6 +22,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -318,9 +319,6 @@ def _measured(done: RenderedJob[Trace], stroke: Stroke, name: str) -> FeltEvents
     tenths = np.arange(0, max(1, len(moving) - 1), max(1, round(0.1 * rate)))
     events = [timeline.events[i] for i in surface.event.tolist()]
     kinds = np.array([event.kind for event in events], dtype=str)
-    click_s, click_db, click_lag_ms, merged, lost_to = _clicks(
-        done, stroke, frames, samples[:, CLICK], kinds
-    )
     first_s, last_s = (frames + stroke.start) / rate
     return FeltEvents(
         name=name,
@@ -346,11 +344,7 @@ def _measured(done: RenderedJob[Trace], stroke: Stroke, name: str) -> FeltEvents
         duration_ms=duration,
         detected=detected,
         release=surface.release,
-        click_s=click_s,
-        click_db=click_db,
-        click_lag_ms=click_lag_ms,
-        merged=merged,
-        lost_to=lost_to,
+        **_clicks(done, stroke, frames, samples[:, CLICK], kinds),
         pulse_s=pulses / 1e3 + stroke.start / rate,
         free_db=free_db,
         course=course,
@@ -392,11 +386,8 @@ def _clicks(
     frames: FloatArray,
     click: SampleArray,
     kinds: NDArray[np.str_],
-) -> tuple[FloatArray, FloatArray, FloatArray, BoolArray, NDArray[np.str_]]:
-    """Return the click of each event: time (s), level (dB), time to the vibration's peak (ms).
-
-    Return also whether another event is struck within 30 ms, and the kind that hides the event.
-    """
+) -> dict[str, Any]:
+    """Return the fields of `FeltEvents` about the click of each event."""
     rate, envelope, release = done.sample_rate, done.trace.envelope, done.surface.release
     level = perception.levels(click, rate, FELT_WINDOW_S, FLOOR_DB)
     row_of = {event: row for row, event in enumerate(done.surface.event.tolist())}
@@ -422,4 +413,5 @@ def _clicks(
         strongest = beside[np.argmax(release[beside])]
         if release[strongest] > release[row]:
             lost_to[row] = kinds[strongest]
-    return struck, loud, lag, merged, lost_to
+    clicks = {"click_s": struck, "click_db": loud, "click_lag_ms": lag}
+    return {**clicks, "merged": merged, "lost_to": lost_to}
