@@ -135,7 +135,7 @@ class _Quantizer:
         return steps.astype(f"i{width // 8}") << (width - self._bits)
 
 
-class SoundWriter:
+class SoundWriter(contextlib.ExitStack):
     """Writer of a sound file in blocks; the file appears when it is complete.
 
     `note` describes the format. PCM of 16 or fewer bits gets triangular (TPDF) dither from a fixed
@@ -146,13 +146,13 @@ class SoundWriter:
         self, path: Path, sample_rate: float, subtype: str | None = None, channels: int = 2
     ) -> None:
         """Choose the format; InputError for an unknown format or an unsupported rate."""
+        super().__init__()
         self.path = path
         self.frames = 0
         self._rate = _require_whole_rate(path, sample_rate)
         self._channels = channels
         self._format, self._subtype = _format_of(path, subtype)
         self._quantize = _Quantizer(self._subtype)
-        self._stack = contextlib.ExitStack()
         self.note = f"{self._format} {self._subtype}, {self._quantize.note}"
         self._file: Any = None
 
@@ -178,7 +178,7 @@ class SoundWriter:
                     self.path, self._format, self._subtype, self._channels, self._rate, error
                 ) from None
             stack.push(self._close)
-            self._stack = stack.pop_all()
+            self.push(stack.pop_all())
         return self
 
     def write(self, samples: SampleArray) -> None:
@@ -219,9 +219,6 @@ class SoundWriter:
             f"{self.path}: the disk is full or broken ({reason}); nothing was left behind, "
             "free some space and retry"
         )
-
-    def __exit__(self, *error: Any) -> None:
-        self._stack.__exit__(*error)
 
 
 def save_sound(
