@@ -16,13 +16,7 @@ import tomllib
 from pathlib import Path
 from typing import Any
 
-from overview_dsp.design.presets.library import (
-    LIBRARY,
-    bundled_presets,
-    load_preset,
-    parse_user_preset,
-    user_presets,
-)
+from overview_dsp.design.presets import library
 from overview_dsp.design.presets.model import Preset
 from overview_dsp.design.presets.reference import reference_json
 from overview_dsp.design.presets.serialization import preset_from_dict, preset_to_dict
@@ -41,14 +35,14 @@ def preset_data(preset: Preset) -> dict[str, Any]:
 
 def preset_names() -> dict[str, list[str]]:
     """Return the names that `named_preset` accepts."""
-    return {"bundled": list(bundled_presets()), "own": list(user_presets())}
+    return {"bundled": list(library.bundled_presets()), "own": list(library.user_presets())}
 
 
 def named_preset(name: str) -> Preset:
     """Load a bundled preset or one of the user's; raise InputError for other names."""
-    if name not in (*bundled_presets(), *user_presets()):
+    if name not in (*library.bundled_presets(), *library.user_presets()):
         raise InputError(f"unknown preset {name[:70]!r}; /data/presets lists the names")
-    return load_preset(name)
+    return library.load_preset(name)
 
 
 def parse_preset(value: Any) -> Preset:
@@ -64,13 +58,13 @@ def save_preset(name: str, text: str, replace: bool) -> Path:
     """
     if not NAME.fullmatch(name) or WINDOWS_DEVICES.fullmatch(name):
         raise InputError(f"preset name is {name[:70]!r}; must be letters, digits, - and _")
-    if name in bundled_presets():
+    if name in library.bundled_presets():
         raise InputError(f"{name!r} is the name of a bundled preset; choose another one")
-    path = LIBRARY.user_folder / (name + SUFFIX)
+    path = library.LIBRARY.user_folder / (name + SUFFIX)
     if path.exists() and not replace:
         raise InputError(f"preset {name!r} already exists; replace=1 replaces it")
     _check_parent(text, name)
-    parse_user_preset(text, path)
+    library.parse_user_preset(text, path)
     make_folder(path.parent)
     write_file(path, text)
     return path
@@ -81,7 +75,7 @@ def _check_parent(text: str, name: str) -> None:
         parent = tomllib.loads(text).get("extends")
     except tomllib.TOMLDecodeError:
         return  # the parser reports the error in detail
-    others = {*bundled_presets(), *user_presets()} - {name}
+    others = {*library.bundled_presets(), *library.user_presets()} - {name}
     if isinstance(parent, str) and parent not in others:
         raise InputError(
             f"extends is {parent[:70]!r}; must be another preset of yours or a bundled one"

@@ -14,15 +14,8 @@ from email.message import Message
 from typing import Any
 from urllib.parse import urlsplit
 
+from overview_dsp.data.feeds import sources
 from overview_dsp.data.feeds.feed_lines import MAX_LINE_BYTES
-from overview_dsp.data.feeds.sources import (
-    CHUNK_BYTES,
-    LostError,
-    Received,
-    Source,
-    is_feed,
-    is_json,
-)
 from overview_dsp.data.readers.registry import load_timeline
 from overview_dsp.errors import InputError
 from overview_dsp.installation import install_command
@@ -58,7 +51,7 @@ MAX_MESSAGE_BYTES = 16 << 20
 
 
 @dataclass
-class Http(Source):
+class Http(sources.Source):
     """URL of server-sent events, or of any other file, which is requested repeatedly.
 
     `every_s`: interval of the requests, s; None: 30 for a live service, else 1. Longer waits that a
@@ -70,7 +63,7 @@ class Http(Source):
     _tag: str | None = field(default=None, init=False)
     _last_id: str | None = field(default=None, init=False)
 
-    def read(self) -> Iterator[Received]:
+    def read(self) -> Iterator[sources.Received]:
         """Yield the events of a stream, or the file each time it changes."""
         self._tag = None
         host = urlsplit(self.name).hostname or ""
@@ -86,18 +79,18 @@ class Http(Source):
                 if response.headers.get_content_type() == "text/event-stream":
                     self._tag = None
                     yield from self._events(response)
-                    raise LostError("the stream has ended")
+                    raise sources.LostError("the stream has ended")
                 data = _body(response)
             wait_s = _required_wait_s(response.headers, every_s)
             tag = response.headers.get("ETag") or response.headers.get("Last-Modified")
-            if is_feed(data):
+            if sources.is_feed(data):
                 yield from _parts(data if data.endswith(b"\n") else data[: data.rfind(b"\n") + 1])
             elif data:
                 try:
                     timeline = load_timeline(data)
                 except InputError as error:
                     # the file may be incomplete, so it is requested again
-                    raise LostError(f"{error}", wait_s) from None
+                    raise sources.LostError(f"{error}", wait_s) from None
                 yield timeline
                 if in_progress and timeline.known_until_s is None:
                     yield b'{"end": %r}\n' % timeline.duration_s
@@ -131,13 +124,13 @@ class Http(Source):
                     ) from None
                 least_s = every_s if error.code == 429 else 0.0
                 wait_s = _required_wait_s(error.headers, least_s)
-                raise LostError(f"HTTP {error.code} {error.reason}", wait_s) from None
+                raise sources.LostError(f"HTTP {error.code} {error.reason}", wait_s) from None
         except (OSError, http.client.HTTPException) as error:
-            raise LostError(_reason(error)) from None
+            raise sources.LostError(_reason(error)) from None
         except ValueError as error:
             raise InputError(f"{self.name}: {error}") from None
 
-    def _events(self, response: Any) -> Iterator[Received]:
+    def _events(self, response: Any) -> Iterator[sources.Received]:
         """Yield the data of server-sent events (WHATWG HTML, 9.2), one feed line per event.
 
         Only complete events are yielded. After a new connection the server repeats an incomplete
@@ -149,7 +142,7 @@ class Http(Source):
             socket = getattr(getattr(response.fp, "raw", None), "_sock", None)
             if socket is not None:
                 socket.settimeout(STREAM_TIMEOUT_S)
-            while part := response.readline(CHUNK_BYTES):
+            while part := response.readline(sources.CHUNK_BYTES):
                 # cut just above the limit, so that the feed format rejects the line
                 line = (line + part.rstrip(b"\r\n"))[: MAX_LINE_BYTES + 16]
                 if not part.endswith(b"\n"):
@@ -159,7 +152,7 @@ class Http(Source):
                 if field == b"data":
                     size += len(value) + 1
                     if size > MAX_MESSAGE_BYTES:
-                        raise LostError(
+                        raise sources.LostError(
                             f"a server-sent event has more than {MAX_MESSAGE_BYTES >> 20} MB, "
                             "the maximum; end each event with an empty line"
                         )
@@ -168,22 +161,22 @@ class Http(Source):
                     event_id = value.decode("latin-1")
                 elif not field and not value:
                     lines = b"".join(data)
-                    is_one = len(data) > 1 and is_json(lines)
+                    is_one = len(data) > 1 and sources.is_json(lines)
                     yield lines.replace(b"\n", b" ") + b"\n" if is_one else lines
                     self._last_id, data, size = event_id or self._last_id, [], 0
                 else:
                     yield b""
         except (OSError, http.client.HTTPException) as error:
-            raise LostError(_reason(error)) from None
+            raise sources.LostError(_reason(error)) from None
 
 
 @dataclass
-class WebSocket(Source):
+class WebSocket(sources.Source):
     """URL of a WebSocket whose messages are lines of a feed."""
 
     name: str
 
-    def read(self) -> Iterator[Received]:
+    def read(self) -> Iterator[sources.Received]:
         """Yield the messages."""
         try:
             from websockets.exceptions import InvalidURI, WebSocketException
@@ -211,7 +204,7 @@ class WebSocket(Source):
         except InvalidURI as error:
             raise InputError(f"{self.name}: {error}") from None
         except (OSError, WebSocketException) as error:
-            raise LostError(_reason(error)) from None
+            raise sources.LostError(_reason(error)) from None
 
 
 def _required_wait_s(headers: Message, least_s: float) -> float:
@@ -236,15 +229,15 @@ def _wait(seconds: float) -> Iterator[None]:
 
 
 def _parts(data: bytes) -> Iterator[bytes]:
-    for start in range(0, len(data), CHUNK_BYTES):
-        yield data[start : start + CHUNK_BYTES]
+    for start in range(0, len(data), sources.CHUNK_BYTES):
+        yield data[start : start + sources.CHUNK_BYTES]
 
 
 def _body(response: Any) -> bytes:
     try:
         data: bytes = response.read(MAX_BYTES + 1)
     except (OSError, http.client.HTTPException) as error:
-        raise LostError(_reason(error)) from None
+        raise sources.LostError(_reason(error)) from None
     if len(data) > MAX_BYTES:
         raise InputError(
             f"the response has more than {MAX_BYTES >> 20} MB, the maximum; serve a feed instead"
