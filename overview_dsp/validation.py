@@ -170,6 +170,20 @@ def real(value: object, what: str) -> float:
         return float("inf")
 
 
+def within(
+    value: object, what: str, low: float, high: float, unit: str = "", end: str | None = None
+) -> float:
+    """Return a number from `low` to `high` as a float; InputError names the range and its unit.
+
+    `end`: text after the range instead of its unit.
+    """
+    result = real(value, what)
+    if not low <= result <= high:  # NaN too
+        allowed = f"must be {low:g} to {high:g}{unit if end is None else end}"
+        raise InputError(f"{what} is {result:g}{unit}; {allowed}")
+    return result
+
+
 def whole(value: object, what: str, least: int | None = None, most: int | None = None) -> int:
     """Return a whole number as an int; InputError for another type, or out of range."""
     if not isinstance(value, int | np.integer):

@@ -141,10 +141,7 @@ def _list(value: Any, key: str, length: int) -> list[Any]:
 
 
 def _number(value: Any, key: str, low: float, high: float) -> float:
-    number = validation.number(value, key)
-    if not low <= number <= high:
-        raise InputError(f"{key} is {number:g}; must be {low:g} to {high:g}")
-    return number
+    return validation.within(validation.number(value, key), key, low, high)
 
 
 def json_object(text: bytes | str, name: str = "the body") -> dict[str, Any]:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal, cast
 
 from overview_dsp.cli.options.declaring import option, parse_pairs
 from overview_dsp.errors import InputError
+from overview_dsp.validation import within
 
 if TYPE_CHECKING:
     from overview_dsp.arrays import SampleArray
@@ -74,9 +75,8 @@ class Output:
 
         # PortAudio reads 0 as the rate of the device
         rate = self.sample_rate
-        if rate is not None and not MIN_SAMPLE_RATE <= rate <= MAX_SAMPLE_RATE:
-            allowed = f"{MIN_SAMPLE_RATE:g} to {MAX_SAMPLE_RATE:g} Hz"
-            raise InputError(f"--sample-rate is {rate:g} Hz; must be {allowed}")
+        if rate is not None:
+            within(rate, "--sample-rate", MIN_SAMPLE_RATE, MAX_SAMPLE_RATE, " Hz")
 
 
 def _switch(text: str) -> bool:

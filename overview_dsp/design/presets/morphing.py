@@ -156,10 +156,7 @@ def randomize(preset: Preset, seed: int, amount: float = 0.3) -> Preset:
     'football-7'
     """
     validation.instance(preset, Preset, "preset", "ov.load_preset gives one")
-    amount = validation.real(amount, "amount")
-    # NaN fails too
-    if not 0.0 <= amount <= 1.0:
-        raise InputError(f"amount is {amount:g}; must be 0 to 1")
+    amount = validation.within(amount, "amount", 0.0, 1.0)
     random = validation.random(seed)
     values: dict[str, Value] = dict(preset.values)
     for id, known in PARAMETERS.items():

@@ -175,9 +175,7 @@ def export(
     if not isinstance(to, str) or to not in NAMES:
         raise InputError(f"to is {quoted(to)}; must be one of {', '.join(NAMES)}")
     # written so that NaN fails
-    points_per_s = validation.real(points_per_s, "points_per_s")
-    if not 1.0 <= points_per_s <= 1000.0:
-        raise InputError(f"points_per_s is {points_per_s:g}; must be 1 to 1000")
+    points_per_s = validation.within(points_per_s, "points_per_s", 1.0, 1000.0)
     target = validation.path(path, "path")
     if to == "wav4":
         # for pads with voice coils on channels 3 and 4 (DualSense): clicks on both sides, tactor

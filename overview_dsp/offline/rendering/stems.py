@@ -99,13 +99,8 @@ QUIETEST_LUFS, LOUDEST_LUFS = -60.0, 0.0
 
 def require_loudness(lufs: float) -> float:
     """Return a valid loudness; raise InputError otherwise, including for NaN."""
-    lufs = validation.real(lufs, "normalize")
-    if not QUIETEST_LUFS <= lufs <= LOUDEST_LUFS:
-        raise InputError(
-            f"normalize is {lufs:g} LUFS; must be {QUIETEST_LUFS:g} to {LOUDEST_LUFS:g} ("
-            "-23 for broadcast, -16 for phones)"
-        )
-    return lufs
+    hint = " (-23 for broadcast, -16 for phones)"
+    return validation.within(lufs, "normalize", QUIETEST_LUFS, LOUDEST_LUFS, " LUFS", hint)
 
 
 class ClickMeter:

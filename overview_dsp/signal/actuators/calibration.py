@@ -32,14 +32,8 @@ def calibration_file() -> Path:
 
 def gain_for(threshold_db: float) -> float:
     """Return the gain, dB, for a threshold; raise InputError if it is out of range."""
-    threshold_db = validation.real(threshold_db, "threshold_db")
-    # written so that NaN fails
-    if not LOWEST_DB <= threshold_db <= HIGHEST_DB:
-        raise InputError(
-            f"threshold_db is {threshold_db:g} dB; must be {LOWEST_DB:g} to "
-            f"{HIGHEST_DB:g} dB of the nominal drive"
-        )
-    return threshold_db - REFERENCE_DB
+    limits, end = (LOWEST_DB, HIGHEST_DB), " dB of the nominal drive"
+    return validation.within(threshold_db, "threshold_db", *limits, " dB", end) - REFERENCE_DB
 
 
 def save_threshold(actuator: Actuator, threshold_db: float) -> None:

@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from types import MappingProxyType
 
+from overview_dsp import validation
 from overview_dsp.design.presets.parameter import Parameter, Value, read_parameters
 from overview_dsp.errors import InputError, did_you_mean
 from overview_dsp.public import short
@@ -85,11 +86,8 @@ class Actuator:
             )
         if self.number("drive.peak") < self.number("drive.rated_rms"):
             raise InputError("drive.peak is below drive.rated_rms; must be at least as large")
-        if not abs(self.gain_db) <= MAX_CALIBRATION_DB:
-            raise InputError(
-                f"gain_db is {self.gain_db:g} dB; must be "
-                f"-{MAX_CALIBRATION_DB:g} to {MAX_CALIBRATION_DB:g} dB"
-            )
+        limit = MAX_CALIBRATION_DB
+        validation.within(self.gain_db, "gain_db", -limit, limit, " dB")
 
     def number(self, id: str) -> float:
         """Look up a numeric value.

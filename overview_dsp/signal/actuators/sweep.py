@@ -58,10 +58,8 @@ def log_sweep(
             f"sweep is from {low_hz:g} to {high_hz:g} Hz; must rise within {LOWEST_HZ:g} to "
             f"{HIGHEST_PART * sample_rate:g} Hz"
         )
-    if not 0.1 <= seconds <= MAX_SECONDS:
-        raise InputError(f"sweep duration is {seconds:g} s; must be 0.1 to {MAX_SECONDS:g} s")
-    if not MIN_LEVEL_DB <= level_db <= 0.0:
-        raise InputError(f"level is {level_db:g} dB; must be {MIN_LEVEL_DB:g} to 0 dB")
+    validation.within(seconds, "sweep duration", 0.1, MAX_SECONDS, " s")
+    validation.within(level_db, "level", MIN_LEVEL_DB, 0.0, " dB")
     frames = round(seconds * sample_rate)
     octaves = math.log(high_hz / low_hz)
     time = np.arange(frames) / sample_rate

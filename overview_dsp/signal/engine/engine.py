@@ -150,11 +150,8 @@ class Engine:
         >>> engine.sample_rate
         8000.0
         """
-        rate = validation.real(sample_rate, "sample_rate")
-        if not MIN_SAMPLE_RATE <= rate <= MAX_SAMPLE_RATE:
-            raise InputError(
-                f"sample_rate is {rate:g} Hz; must be {MIN_SAMPLE_RATE:g} to {MAX_SAMPLE_RATE:g} Hz"
-            )
+        limits = MIN_SAMPLE_RATE, MAX_SAMPLE_RATE
+        rate = validation.within(sample_rate, "sample_rate", *limits, " Hz")
         coefficients.check_carrier(self._preset, rate)
         if validation.whole(max_block_size, "max_block_size") < 1:
             raise InputError(f"max_block_size is {max_block_size}; must be at least 1 frame")
