@@ -51,8 +51,7 @@ def _begin(grid: RenderGrid) -> None:
 def _run(jobs: Sequence[Job]) -> tuple[TaskResult, list[str]]:
     assert _worker is not None
     # the parent shows each warning, once
-    with warnings.catch_warnings(record=True) as caught:
-        warnings.simplefilter("always", OverviewWarning)
+    with warnings.catch_warnings(record=True, action="always") as caught:
         done = _worker.run(jobs)
     notes = (str(one.message) for one in caught if issubclass(one.category, OverviewWarning))
     return done, list(dict.fromkeys(notes))

@@ -83,8 +83,8 @@ class ActiveWindow:
             return False
         engine = self._engine
         try:
-            with warnings.catch_warnings():  # `update_timeline` reports them later
-                warnings.simplefilter("ignore", OverviewWarning)
+            # `update_timeline` reports them later
+            with warnings.catch_warnings(action="ignore", category=OverviewWarning):
                 new = build_surface(timeline, engine.preset, engine.surface.angle_map)
                 surface = join_surfaces(engine.surface, new, position)
             if surface is None:
@@ -205,8 +205,7 @@ class ActiveWindow:
         requests = (self._requested_timeline, self._requested_window, self._requested_preset)
         if requests == (None, None, None):
             return
-        with warnings.catch_warnings(record=True) as caught:
-            warnings.simplefilter("always")
+        with warnings.catch_warnings(record=True, action="always") as caught:
             try:
                 self._apply()
             except InputError as error:

@@ -47,8 +47,7 @@ def execute(player: Player, name: str, *arguments: str) -> None:
     except TypeError:
         player.say(f"{command}: wrong number of arguments; must be {FORMS[name]}")
         return
-    with warnings.catch_warnings(record=True) as caught:
-        warnings.simplefilter("always")
+    with warnings.catch_warnings(record=True, action="always") as caught:
         try:
             COMMANDS[name](player, *arguments)
         except OverviewError as error:

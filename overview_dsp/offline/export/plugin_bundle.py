@@ -147,8 +147,7 @@ def _with_tails(
     longer than from rest at the end of the timeline. Bristles and detents may hold it anywhere, so
     that its return is measured from several positions. At higher rates, softer texture is heard.
     """
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # the images gave them
+    with warnings.catch_warnings(action="ignore"):  # the images gave them
         jobs = list(render_jobs(timelines, presets, (_FROM_END,), (seed,)))
         highs = render_many(jobs, 4 * 48_000)
         for image, one, high in zip(images, render_many(jobs), highs, strict=True):
