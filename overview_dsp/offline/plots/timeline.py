@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Sequence
-from datetime import timedelta
+from datetime import datetime, timedelta
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
@@ -45,7 +45,7 @@ class TimeAxis:
     """
 
     def __init__(self, timeline: Timeline, angle_map: AngleMap | None = None) -> None:
-        self._timeline = timeline
+        self.timeline = timeline
         self._map = None if angle_map is None or angle_map.is_linear else angle_map
         self.scale, self.unit = time_unit(timeline.duration_s)
         self.width = timeline.duration_s / self.scale
@@ -59,15 +59,13 @@ class TimeAxis:
     def event_x(self) -> FloatArray:
         """Return the coordinates of the timeline's events."""
         if self._map is None:
-            return self.x([event.time_s for event in self._timeline.events])
+            return self.x([event.time_s for event in self.timeline.events])
         return self._map.events * self.width
 
     def even_times(self, count: int) -> FloatArray:
         """Return the times at evenly spaced coordinates, including both ends."""
         places = np.linspace(0.0, 1.0, count)
-        return (
-            places * self._timeline.duration_s if self._map is None else self._map.time_at(places)
-        )
+        return places * self.timeline.duration_s if self._map is None else self._map.time_at(places)
 
     def label(self, axes: Axes) -> None:
         """Label the axis, and mark stretched parts with a bar and a note."""
@@ -83,15 +81,14 @@ class TimeAxis:
         axes.set_xlabel(f"{axes.get_xlabel()}; bold: stretched, so that close events lie apart")
 
     def _label(self, axes: Axes) -> None:
-        timeline = self._timeline
-        if timeline.start is not None:
-            _label_dates(axes, timeline, self)
+        if self.timeline.start is not None:
+            _label_dates(axes, self.timeline.start, self)
             return
-        halves = halves_of(timeline.events)
+        halves = halves_of(self.timeline.events)
         if halves:
             _label_minutes(axes, halves, self)
             return
-        football = not FOOTBALL_KINDS.isdisjoint(timeline.kinds())
+        football = not FOOTBALL_KINDS.isdisjoint(self.timeline.kinds())
         axes.set_xlabel(f"time of play, {self.unit}" if football else f"time, {self.unit}")
         if self._map is not None:
             ticker: Any = import_module("matplotlib.ticker")  # without types
@@ -117,18 +114,18 @@ def _label_minutes(axes: Axes, halves: Sequence[Half], axis: TimeAxis) -> None:
     axes.set_xlabel("match minute (shaded: added time)")
 
 
-def _label_dates(axes: Axes, timeline: Timeline, axis: TimeAxis) -> None:
+def _label_dates(axes: Axes, start: datetime, axis: TimeAxis) -> None:
     dates: Any = import_module("matplotlib.dates")  # without types
-    assert timeline.start is not None
+    duration_s = axis.timeline.duration_s
     # local time without a zone, which matplotlib would convert to UTC
-    first = timeline.start.replace(tzinfo=None)
+    first = start.replace(tzinfo=None)
     locator = dates.AutoDateLocator(minticks=4, maxticks=9)
-    days = np.asarray(locator.tick_values(first, first + timedelta(seconds=timeline.duration_s)))
+    days = np.asarray(locator.tick_values(first, first + timedelta(seconds=duration_s)))
     at_s = (days - dates.date2num(first)) * 86_400.0
-    shown = (at_s >= 0.0) & (at_s <= timeline.duration_s)
+    shown = (at_s >= 0.0) & (at_s <= duration_s)
     words = dates.ConciseDateFormatter(locator).format_ticks(days[shown])
     axes.set_xticks(axis.x(at_s[shown]), words)
-    axes.set_xlabel(f"from {timeline.start.isoformat(' ', 'seconds')}")
+    axes.set_xlabel(f"from {start.isoformat(' ', 'seconds')}")
 
 
 _STEPS = 600  # number of positions along a curve, about one per pixel
@@ -152,8 +149,8 @@ def plot_timeline(timeline: Timeline, angle_map: AngleMap | None = None) -> Figu
     draw_timeline(axes, timeline, angle_map)
     if signal is not None:
         below = grid[1, 0]
-        _draw_gaps(below, timeline, axis)
-        _draw_curve(below, timeline, signal, axis, style.BLACK, band=0.8)
+        _draw_gaps(below, axis)
+        _draw_curve(below, axis, signal, style.BLACK, band=0.8)
         below.set_ylabel(signal.unit or "signal")
         axis.label(below)
         axes.set_xlabel("")
@@ -174,17 +171,18 @@ def draw_timeline(axes: Axes, timeline: Timeline, angle_map: AngleMap | None = N
     The left axis has the data's own unit; on the right is the intensity that is felt of them.
     """
     axis = TimeAxis(timeline, angle_map)
-    _draw_gaps(axes, timeline, axis)
+    _draw_gaps(axes, axis)
     if timeline.intensity is not None:
-        _draw_curve(axes, timeline, timeline.intensity, axis, style.GREY)
+        _draw_curve(axes, axis, timeline.intensity, style.GREY)
         _label_values(axes, timeline, timeline.intensity)
     _draw_events(axes, timeline, axis)
     axis.label(axes)
     style.tidy(axes)
 
 
-def _draw_gaps(axes: Axes, timeline: Timeline, axis: TimeAxis) -> None:
+def _draw_gaps(axes: Axes, axis: TimeAxis) -> None:
     """Hatch the gaps, with their reasons in the legend and in wide gaps."""
+    timeline = axis.timeline
     reasons = timeline.gap_reasons or ("",) * len(timeline.gaps)
     named: set[str] = set()
     for gap, reason in zip(timeline.gaps, reasons, strict=True):
@@ -208,7 +206,7 @@ def _draw_gaps(axes: Axes, timeline: Timeline, axis: TimeAxis) -> None:
 
 
 def _draw_curve(
-    axes: Axes, timeline: Timeline, curve: Intensity, axis: TimeAxis, colour: str, band: float = 0.3
+    axes: Axes, axis: TimeAxis, curve: Intensity, colour: str, band: float = 0.3
 ) -> None:
     """Plot a line through few points, or the mean and range of many points."""
     if curve.is_constant:
@@ -216,23 +214,22 @@ def _draw_curve(
         return
     if curve.count <= 2 * _STEPS:
         times = np.asarray(curve.time_s)
-        axes.plot(*_broken(times, np.asarray(curve.value), timeline, axis), color=colour,
-                  linewidth=1.2, zorder=2)  # fmt: skip
+        places, values = _broken(times, np.asarray(curve.value), axis)
+        axes.plot(places, values, color=colour, linewidth=1.2, zorder=2)
         return
     times = axis.even_times(_STEPS)
-    low, mean, high = curve.band(times, timeline.gaps)
+    low, mean, high = curve.band(times, axis.timeline.gaps)
     axes.fill_between(
         axis.x(times), low, high, color=colour, alpha=band, linewidth=0.0, zorder=2, step="mid"
     )
     axes.plot(axis.x(times), mean, color=colour, linewidth=1.0, zorder=2)
 
 
-def _broken(
-    times: FloatArray, values: FloatArray, timeline: Timeline, axis: TimeAxis
-) -> tuple[FloatArray, FloatArray]:
+def _broken(times: FloatArray, values: FloatArray, axis: TimeAxis) -> tuple[FloatArray, FloatArray]:
     """Return the points outside gaps, with the line interrupted at each gap."""
-    known = ~in_gap(timeline.gaps, times)
-    middles = np.array([(start + end) / 2.0 for start, end in timeline.gaps])
+    gaps = axis.timeline.gaps
+    known = ~in_gap(gaps, times)
+    middles = np.array([(start + end) / 2.0 for start, end in gaps])
     every = np.concatenate((times[known], middles))
     order = np.argsort(every, kind="stable")
     levels = np.concatenate((values[known], np.full(len(middles), np.nan)))
