@@ -6,6 +6,7 @@ import re
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from overview_dsp.cli.common import read_gesture
@@ -211,15 +212,9 @@ def _osc(kind: str, where: str, parts: dict[str, str]) -> Callable[[Player], Inp
     parse_address(where)
     smooth_s = _smooth_s(f"{kind}:{where}", parts)
     controls = load_osc_map(parts["map"]) if "map" in parts else ()
-
+    open_port, make_reader = partial(OscPort, where), partial(OscReader, controls=controls)
     return lambda player: ControllerInput(
-        player.engine,
-        kind,
-        lambda: OscPort(where),
-        lambda counters: OscReader(counters, controls),
-        SILENT_S,
-        player.queue_command,
-        smooth_s,
+        player.engine, kind, open_port, make_reader, SILENT_S, player.queue_command, smooth_s
     )
 
 
@@ -232,15 +227,10 @@ def _midi(kind: str, where: str, parts: dict[str, str]) -> Callable[[Player], In
 
     controls = load_map(parts["map"]) if "map" in parts else DEFAULT
     smooth_s = _smooth_s(f"{kind}:{where}", parts)
+    open_port, make_reader = partial(MidiPort, where), partial(MidiReader, controls)
 
     def opened(player: Player) -> Input:
         require_parameters(controls, player.engine.preset)
-        return ControllerInput(
-            player.engine,
-            kind,
-            lambda: MidiPort(where),
-            lambda counters: MidiReader(controls, counters),
-            smooth_s=smooth_s,
-        )
+        return ControllerInput(player.engine, kind, open_port, make_reader, smooth_s=smooth_s)
 
     return opened
