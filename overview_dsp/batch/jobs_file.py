@@ -26,6 +26,7 @@ from __future__ import annotations
 import glob
 import os
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import fields
 from typing import Annotated, Any, Literal, TypeVar
 
@@ -137,6 +138,14 @@ class JobsTable:
         line = line_of(self._text, (*self._within, *path))
         return InputError(f"{self.where}:{line}: {message}" if line else f"{self.where}: {message}")
 
+    @contextmanager
+    def errors_at(self, name: str, *path: str | int) -> Iterator[None]:
+        """Prefix an InputError with the file and line of a key, and with the key's name."""
+        try:
+            yield
+        except InputError as error:
+            raise self.error(f"{name}: {error}", *path) from None
+
     def _name(self, path: Path) -> str:
         return ".".join(map(str, (*self._within, *path)))
 
@@ -159,13 +168,11 @@ class JobsTable:
         """Return the loaded entries of a list by name; each name may occur once."""
         found: dict[str, T] = {}
         name = self._name((key,))
-        try:
+        with self.errors_at(name, key):
             for entry, load in loaders:
                 if entry in found:
                     raise InputError(f"{entry!r} occurs twice; remove one")
                 found[entry] = load()
-        except InputError as error:
-            raise self.error(f"{name}: {error}", key) from None
         if not found:
             metadata = Jobs.model_fields[key].metadata
             allowed = next(one.text for one in metadata if isinstance(one, Allowed))
@@ -303,7 +310,7 @@ def _parameters(
 ) -> dict[str, tuple[Value, ...]]:
     found: dict[str, tuple[Value, ...]] = {}
     for id, given in _flatten(table):
-        try:
+        with file.errors_at(f"parameters: {id}", "parameters", id):
             values = _range(given) if isinstance(given, dict) else given
             if not isinstance(values, list) or not values:
                 raise InputError(f"{quoted(given)}; must be a list of values, or {_RANGE}")
@@ -313,8 +320,6 @@ def _parameters(
             found[id] = tuple(float(value) if type(value) is int else value for value in values)
             if len(set(found[id])) < len(values):
                 raise InputError("a value occurs twice; remove one")
-        except InputError as error:
-            raise file.error(f"parameters: {id}: {error}", "parameters", id) from None
     return found
 
 
@@ -337,12 +342,8 @@ def _range(table: dict[str, Any]) -> list[float]:
 
 
 def _settings(file: JobsTable, jobs: Jobs) -> Settings:
-    try:
+    with file.errors_at("tail", "tail"):
         tail: Tail = tail_of(jobs.tail) if isinstance(jobs.tail, str) else checked_tail(jobs.tail)
-    except InputError as error:
-        raise file.error(f"tail: {error}", "tail") from None
-    try:
+    with file.errors_at("format", "format"):
         check_sound(f"sound.{jobs.format}", jobs.sample_rate, jobs.subtype)
-    except InputError as error:
-        raise file.error(f"format: {error}", "format") from None
     return Settings(jobs.sample_rate, tail, jobs.format, jobs.subtype)
