@@ -362,11 +362,5 @@ def _written_fields(control: Control | OscControl) -> dict[str, Any]:
 
 
 def _toml(value: object) -> str:
-    if isinstance(value, bool):
-        return str(value).lower()
-    if isinstance(value, tuple):
-        return f"[{', '.join(map(_toml, value))}]"
-    if isinstance(value, str):
-        # a basic string of TOML has the escapes of JSON
-        return json.dumps(value, ensure_ascii=False)
-    return repr(value)
+    # TOML writes an infinite number as Python does, and all other values as JSON does
+    return repr(value) if isinstance(value, float) else json.dumps(value, ensure_ascii=False)
