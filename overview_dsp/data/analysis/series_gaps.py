@@ -21,6 +21,7 @@ from datetime import datetime
 import numpy as np
 
 from overview_dsp.arrays import FloatArray, IntArray
+from overview_dsp.data.analysis.runs import runs
 
 DAY_S = 86_400.0
 
@@ -129,10 +130,8 @@ def find_gaps(
         return ((float(time_s[0]), float(time_s[-1])),)
     open_step = np.isnan(value[:-1]) | np.isnan(value[1:])
     open_step[holes] = True
-    # runs of steps without data
-    edges = np.flatnonzero(np.diff(open_step.astype(np.int8), prepend=0, append=0))
     spans = []
-    for begin, end in edges.reshape(-1, 2).tolist():
+    for begin, end in runs(open_step):
         # two gaps with a single known sample between them stay separate
         points = [begin, *(known[(known > begin) & (known < end)]).tolist(), end]
         spans += [(float(time_s[a]), float(time_s[b])) for a, b in itertools.pairwise(points)]

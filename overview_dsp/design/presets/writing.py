@@ -146,7 +146,5 @@ def _key(name: str) -> str:
 def _plain(value: object) -> str:
     import json
 
-    if isinstance(value, bool):
-        return str(value).lower()
     short = f"{value:g}" if isinstance(value, float) else ""
     return short if short and float(short) == value else json.dumps(value, ensure_ascii=False)
