@@ -124,11 +124,19 @@ def _sessions(step: FloatArray, day: IntArray, working: bool) -> tuple[IntArray,
 def find_gaps(
     time_s: FloatArray, value: FloatArray, holes: IntArray
 ) -> tuple[tuple[float, float], ...]:
-    """Return the gaps of a series, merged: missing values (NaN), and holes as in `Holes.after`."""
+    """Return the gaps of a series, merged: missing values (NaN), and holes as in `Holes.after`.
+
+    A missing value is no gap where the known ones beside it are as close as neighbours usually are:
+    it is of a row for something else.
+    """
     known = np.flatnonzero(~np.isnan(value))
     if not known.size:
         return ((float(time_s[0]), float(time_s[-1])),)
     open_step = np.isnan(value[:-1]) | np.isnan(value[1:])
+    apart, rows = np.diff(time_s[known]), np.diff(known)
+    if (rows == 1).any() and (rows > 1).any():
+        usual = apart <= (1.0 + 1e-9) * np.median(apart[rows == 1])
+        open_step[known[0] : known[-1]] &= ~np.repeat(usual, rows)
     open_step[holes] = True
     spans = []
     for begin, end in runs(open_step):

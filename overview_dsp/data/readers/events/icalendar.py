@@ -22,6 +22,7 @@ from overview_dsp.data.readers.events.timeline_builder import (
 from overview_dsp.data.timeline import time_parsing
 from overview_dsp.data.timeline.model import Timeline
 from overview_dsp.errors import InputError, quoted
+from overview_dsp.public import counted
 
 _PROPERTY = re.compile(r"([A-Za-z0-9-]+)((?:;[^:;=]+=(?:\"[^\"]*\"|[^:;]*))*):(.*)", re.DOTALL)
 _ESCAPED = re.compile(r"\\(.)", re.DOTALL)
@@ -39,12 +40,15 @@ def sniff(source: DataFile) -> bool:
 def read(source: DataFile, options: LoadOptions) -> Timeline:
     """Read a calendar (takes `duration_s`); the InputError contains the line."""
     text = source.text
-    entries = list(_entries(text))
+    found = list(_entries(text))
+    entries = [one for one in found if one.get("STATUS", ("",))[0].upper() != "CANCELLED"]
     if not entries:
-        raise InputError("the calendar has no events; must contain a VEVENT")
+        raise InputError("the calendar has no events; must contain a VEVENT that isn't cancelled")
     moments = [_moment(entry, "DTSTART") for entry in entries]
     zones = {moment.tzinfo is not None for moment in moments}
     notes = []
+    if cancelled := len(found) - len(entries):
+        notes.append(f"{counted(cancelled, 'cancelled entry')} left out")
     if len(zones) > 1:
         notes.append("entries without a time zone were read as UTC, because others have one")
     if recurring := sum("RRULE" in entry for entry in entries):

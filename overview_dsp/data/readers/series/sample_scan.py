@@ -42,7 +42,7 @@ from overview_dsp.data.readers.series.rows import (
     last_of_each_time,
     skipped_note,
 )
-from overview_dsp.data.readers.tables.cells import sentinel
+from overview_dsp.data.readers.tables.cells import sentinels
 from overview_dsp.data.readers.tables.column_roles import is_adjusted, price_columns
 from overview_dsp.data.readers.tables.table import CellLocation
 from overview_dsp.data.timeline.curve_builder import CurveBuilder
@@ -115,7 +115,7 @@ class SampleScan:
     _first_s: float = 0.0
     _step_s: float = 0.0
     _even: bool = True
-    _missing: list[float | None] = field(default_factory=list)
+    _missing: list[list[float]] = field(default_factory=list)
     _context: FloatArray = field(default_factory=lambda: np.empty((3, 0)))
     _change: FloatArray = field(default_factory=lambda: np.empty(0))
     _samples: tuple[FloatArray, FloatArray, FloatArray] | None = None
@@ -123,9 +123,9 @@ class SampleScan:
 
     def _begin(self, block: Rows) -> None:
         """Set what applies to all blocks, from the first one."""
-        self._missing = [sentinel(value) for value in block[2:]]
-        for index, values, absent in zip(self.plan.columns, block[2:], self._missing, strict=True):
-            if absent is not None:
+        self._missing = [sentinels(value) for value in block[2:]]
+        for index, values, found in zip(self.plan.columns, block[2:], self._missing, strict=True):
+            for absent in found:
                 many = f"{np.count_nonzero(values == absent)} " if self.in_one_block else ""
                 header = quoted(self.plan.table.columns[index].header)
                 self.notes.append(f"{many}values of {absent:g} in column {header} count as missing")
@@ -161,7 +161,7 @@ class SampleScan:
     def _column(self, block: Rows, i: int) -> FloatArray:
         """Return a column of a block, with NaN for the number that means "no value"."""
         value, absent = block[2 + i], self._missing[i]
-        return value if absent is None else np.where(value == absent, np.nan, value)
+        return np.where(np.isin(value, absent), np.nan, value) if absent else value
 
     def add(self, block: Rows) -> None:
         """Scan the next block, which has one row per time."""
@@ -310,7 +310,8 @@ class SampleScan:
                 f"{self.thinner.run} and the largest steps; share splits are not detected"
             )
         if self.missing:
-            yield f"{self.missing} of {self.count} values are missing, which makes gaps"
+            rule = "which makes gaps where others aren't as close as usual"
+            yield f"{self.missing} of {self.count} values are missing, {rule}"
         yield _gap_note(self.gaps, self.gap_rule)
         if curve.count > LONG:
             low, high = curve.scale_outside(tuple(self.gaps))

@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -34,7 +34,8 @@ NUMBER = re.compile(
     re.ASCII,
 )
 _SIXTIETHS = re.compile(r"(\d{1,3}):([0-5]\d)(?::([0-5]\d(?:\.\d+)?))?", re.ASCII)
-"""A pace or a length such as 5:12, which is 5.2 of its first unit."""
+"""A pace or a length such as 5:12, which is 5.2 of its first unit: minutes, if the column has
+lengths with hours, too."""
 
 _GROUP = re.compile(rf"[{_GROUPS}]")
 
@@ -62,7 +63,7 @@ def parse(text: str, decimal_mark: str) -> tuple[float, str] | None:
     if _GROUP.search(part):
         return None
     value = float(f"{whole or '0'}{'.' if mark else ''}{part}{found['power'] or ''}")
-    unit = found["unit"] or ""
+    unit = (found["unit"] or "").strip("*†‡§")  # marks of footnotes
     # a lone surrogate for a byte that is not text; an exponent without digits
     if not unit.isprintable() or unit in ("e", "E"):
         return None
@@ -84,6 +85,8 @@ class NumberColumn:
 
     decimal_mark: str = "."
     unit: str | None = None
+    _lengths: dict[int, list[int]] = field(default_factory=dict, init=False)
+    _in_minutes: bool | None = field(default=None, init=False)
 
     def values(self, cells: Cells, locate: Callable[[int], CellLocation]) -> FloatArray:
         """Return float64 of the cells' length, NaN where there is no value.
@@ -99,7 +102,18 @@ class NumberColumn:
                 raise locate(0).error(cells[0], "is a date; name a column of numbers")
             values = cells.astype(np.float64)
         else:
+            self._lengths = {2: [], 3: []}  # cells of a chunk with two and with three parts
             values = self._numbers(cells, locate)
+            short, long = self._lengths.values()
+            if short and self._in_minutes is False:
+                raise locate(short[0]).error(
+                    cells[short[0]], "has no hours, those before it do; write all in one way"
+                )
+            if long:
+                self._in_minutes = self._in_minutes or bool(short)
+                values[long] *= 60.0 if self._in_minutes else 1.0
+            elif short:
+                self._in_minutes = True
         size = np.abs(values)
         if np.fmax.reduce(size, initial=0.0) > MAX_VALUE:
             i = int(np.flatnonzero(size > MAX_VALUE)[0])
@@ -135,8 +149,10 @@ class NumberColumn:
                 return math.inf
         text = cell.strip() if isinstance(cell, str) else ""
         found = parse(text, self.decimal_mark)
-        if found is None and (parts := _SIXTIETHS.fullmatch(text)):
-            found = sum(float(part or 0) / 60.0**n for n, part in enumerate(parts.groups())), ""
+        if found is None and (sixtieths := _SIXTIETHS.fullmatch(text)):
+            parts = [float(part) for part in sixtieths.groups() if part]
+            self._lengths[len(parts)].append(i)
+            found = sum(part / 60.0**n for n, part in enumerate(parts)), ""
         if found is None:
             other, name = (",", "point") if self.decimal_mark == "." else (".", "comma")
             hint = f" with a decimal {name}" if parse(text, other) is not None else ""
@@ -190,25 +206,24 @@ def is_missing(cell: Any) -> bool:
     return isinstance(cell, np.datetime64) and bool(np.isnat(cell))
 
 
-def sentinel(value: FloatArray) -> float | None:
-    """Return the number that means "no value" in a column, or None.
+def sentinels(value: FloatArray) -> list[float]:
+    """Return the numbers that mean "no value" in a column.
 
-    It is the smallest value, one of `SENTINELS`, and further below all others than their range:
-    -9999 among temperatures qualifies, -99 among depths from 0 to -120 does not.
+    Each is the smallest value without those before it, one of `SENTINELS`, and further below all
+    others than their range: -9999 among temperatures qualifies, -99 among depths from 0 to -120
+    does not.
 
     `value`: values of the column, NaN if missing.
     """
+    found: list[float] = []
     known = value[~np.isnan(value)]
-    if not known.size:
-        return None
-    low = float(known.min())
-    if low not in SENTINELS:
-        return None
-    rest = known[known != low]
-    if not rest.size:
-        return None
-    spread = float(rest.max()) - float(rest.min())
-    return low if float(rest.min()) - low > max(spread, 0.5 * abs(low)) else None
+    while known.size and (low := float(known.min())) in SENTINELS:
+        known = known[known != low]
+        spread = float(known.max(initial=low)) - float(known.min(initial=np.inf))
+        if not known.size or float(known.min()) - low <= max(spread, 0.5 * abs(low)):
+            break
+        found.append(low)
+    return found
 
 
 def choose_decimal_mark(head: Head, columns: Sequence[int], separator: str | None) -> str:

@@ -50,9 +50,9 @@ _OFFSET = re.compile(r"[+\-−]\d{2}:?\d{2}|Z|UTC", re.ASCII)
 class TimeChoice:
     """Columns whose joined cells are the times, and the format of the times.
 
-    Several columns are joined by `joint`: a date and a clock by a blank, year, month and day by
-    hyphens. `unmarked` clocks are numbers: HHMM (100), or hours (1). Without columns, rows are
-    evenly spaced (`rate`).
+    Several columns are joined by `joint`: a date and a clock by a blank, year, month, day, hour and
+    minute by hyphens. `unmarked` clocks are numbers: HHMM (100), or hours (1). Without columns,
+    rows are evenly spaced (`rate`).
     """
 
     columns: tuple[int, ...]
@@ -66,12 +66,14 @@ class TimeChoice:
         if len(self.columns) == 1:
             return chunk.cells[0]
         lists = list(map(as_list, chunk.cells[: len(self.columns)]))
-        text = _whole if self.joint == "-" else _stripped
+        if self.joint == "-":
+            rows = zip(*lists, strict=True)
+            return [None if any(map(is_missing, row)) else _date_of(row) for row in rows]
         if self.unmarked:
             dates, clocks, *others = lists
             lists = [list(map(_whole, dates)), [_marked(c, self.unmarked) for c in clocks], *others]
         return [
-            None if any(map(is_missing, row)) else self.joint.join(map(text, row))
+            None if any(map(is_missing, row)) else self.joint.join(map(_stripped, row))
             for row in zip(*lists, strict=True)
         ]
 
@@ -275,9 +277,10 @@ def _is_day_clock(text: str) -> bool:
 
 
 def _year_month_day(columns: Columns, head: Head) -> TimeChoice | None:
-    """Return the columns `year`, `month` and optionally `day` as one time, if there are any."""
+    """Return the columns `year`, `month` and, if there are any, smaller parts as one time."""
     names = [column.plain for column in columns]
-    wanted = (("year", "yr", "jahr"), ("month", "mo", "mon", "monat"), ("day", "dy", "tag"))
+    wanted = (("year", "yr", "jahr"), ("month", "mo", "mon", "monat"), ("day", "dy", "tag"),
+              NAMES["hours"], ("minute", "min", "mn"))  # fmt: skip
     found: list[int] = []
     for options in wanted:
         index = next((i for i, name in enumerate(names) if name in options), None)
@@ -287,11 +290,18 @@ def _year_month_day(columns: Columns, head: Head) -> TimeChoice | None:
     if len(found) < 2:
         return None
     rows = list(zip(*(head[i] for i in found), strict=True))
-    texts = ["-".join(_whole(cell) for cell in row) for row in rows]
+    texts = [_date_of(row) for row in rows]
     if not texts or any(moment(text, "iso") is None for text in texts):
         return None
     joined = " and ".join(quoted(columns[i].header) for i in found)
     return TimeChoice(tuple(found), Format("iso"), "-", (f"times are made of columns {joined}",))
+
+
+def _date_of(parts: Sequence[Any]) -> str:
+    """Return year, month, day, hour and minute, as far as they are given, as a date."""
+    texts = [*map(_whole, parts)]
+    clock = ":".join(f"{text:0>2}" for text in [*texts[3:], "00"][:2])
+    return "-".join(texts[:3]) + (f" {clock}" if len(texts) > 3 else "")
 
 
 def _whole(cell: Any) -> str:

@@ -39,6 +39,10 @@ _LONGEST_UNIT = 24
 _TITLES = 10  # maximum number of rows above the header of a sheet
 _SEPARATOR_LINE = re.compile(r'"?sep=.?"?\s*', re.IGNORECASE)  # first line of some spreadsheets
 _WIDTH = re.compile(r"\d+[sdn]", re.ASCII)  # column widths and types of an RDB file
+_COMMA_OF_TIME = re.compile(
+    r"\S*[ T]?\d\d:\d\d:\d\d,\d{3} +[^\d\s]|\[?[\d./-]+, \d\d?:\d\d(:\d\d)?(\s?[AP]M)?( -|\]) ", re.A
+)
+"""Lines of logs and chats, in which a comma is a part of the time."""
 _EVENT_LIST = {"time_s", "kind"}
 
 Rows = list[tuple[int, list[str]]]
@@ -176,6 +180,10 @@ def _layout(head: tuple[str, ...]) -> tuple[Dialect, list[list[str]], bool] | No
 def _separation(lines: list[tuple[int, str]]) -> tuple[str | None, int] | None:
     """Return separator and usual number of fields, None without lines."""
     best: tuple[float, int, str | None, int] | None = None
+    if lines and 3 * sum(_COMMA_OF_TIME.match(line) is not None for _, line in lines) >= 2 * len(
+        lines
+    ):
+        return None
     for rank, separator in enumerate((*SEPARATORS, None)):
         widths = Counter(len(row) for _, row in split(lines, separator))
         widths.pop(0, None)
@@ -271,6 +279,9 @@ def _is_header(top: list[str], below: list[list[str]]) -> bool:
     Columns of dates decide, else columns of numbers: most of them have another type in this row.
     """
     dates, numbers = [], []
+    years = [int(cell) for cell in top if re.fullmatch(r"\s*(1[89]|20)\d\d\s*", cell, re.A)]
+    if 1 < len(years) < len(top) and years == [*range(years[0], years[0] + len(years))]:
+        return not any(is_date(cell) for cell in top)  # a column for each year
     for i, cell in enumerate(map(str.strip, top)):
         fields = _fields(below, i)
         dated = [is_date(field) for field in fields]
