@@ -126,8 +126,8 @@ def find_gaps(
 ) -> tuple[tuple[float, float], ...]:
     """Return the gaps of a series, merged: missing values (NaN), and holes as in `Holes.after`.
 
-    A missing value is no gap where the known ones beside it are as close as neighbours usually are:
-    it is of a row for something else.
+    A missing value makes no gap where the known ones beside it are as close as neighbours usually
+    are: its row is for something else.
     """
     known = np.flatnonzero(~np.isnan(value))
     if not known.size:

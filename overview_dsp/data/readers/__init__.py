@@ -1,7 +1,5 @@
 """Readers of all supported file formats, and the bundled timelines."""
 
-from __future__ import annotations
-
 from overview_dsp.data.readers.data_file import Format
 from overview_dsp.data.readers.formats import FORMATS
 from overview_dsp.data.readers.native import save_timeline

@@ -31,6 +31,7 @@ If at least half of the events have football kinds, a crowd-excitement curve is 
 from __future__ import annotations
 
 import contextlib
+import itertools
 import os
 import re
 from collections.abc import Iterator, Sequence
@@ -49,7 +50,7 @@ from overview_dsp.data.readers.events.timeline_builder import (
 )
 from overview_dsp.data.readers.series.rows import with_settled_order
 from overview_dsp.data.readers.tables import json_lines
-from overview_dsp.data.readers.tables.cells import is_missing, parse
+from overview_dsp.data.readers.tables.cells import detect_decimal_mark, is_missing, parse
 from overview_dsp.data.readers.tables.column_roles import (
     Roles,
     TimeChoice,
@@ -197,7 +198,9 @@ class _Reader:
     def __init__(self, table: Table, roles: Roles, choice: TimeChoice) -> None:
         self.table, self.roles, self.choice = table, roles, choice
         zoned = any(table.columns[i].zoned for i in choice.columns)
-        self.times = TimeColumn(choice.format, offset_min=0 if zoned else None)
+        first = (as_list(chunk.cells[0]) for chunk in table.chunks(choice.columns[:1]))
+        mark = detect_decimal_mark(next(first, [])) or "."
+        self.times = TimeColumn(choice.format, None, 0 if zoned else None, mark)
         self.timeless = 0
 
     def timeline(self, title: str, duration_s: float | None) -> Timeline:
@@ -207,7 +210,10 @@ class _Reader:
         notes = [*self.table.notes, *self.choice.notes, *self.roles.notes]
         if self.timeless:
             notes.append(f"{self.timeless} rows without a time were omitted")
-        form = self.choice.format
+        form, moments = self.choice.format, [one.time_s for one in listed]
+        if form.name == "hhmm" and sorted(moments) not in (moments, moments[::-1]):
+            back = next(b for a, b in itertools.pairwise(listed) if b.time_s < a.time_s)
+            raise InputError(f"{back.location}: the clock goes back; give dates too, or sort rows")
         description = ListDescription(
             title,
             f"events: a {self.table.kind} list, times from column "

@@ -39,7 +39,8 @@ class RowReader:
 
     def __post_init__(self) -> None:
         zones = [c.offset_min for i in self.choice.columns if (c := self.table.columns[i]).zoned]
-        self.time = TimeColumn(self.choice.format, offset_min=zones[0] if zones else None)
+        zone = zones[0] if zones else None
+        self.time = TimeColumn(self.choice.format, None, zone, self.decimal_mark)
         self.numbers = [NumberColumn(self.decimal_mark) for _ in self.columns]
 
     def __iter__(self) -> Iterator[Rows]:

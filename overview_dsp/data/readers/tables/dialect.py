@@ -40,7 +40,8 @@ _TITLES = 10  # maximum number of rows above the header of a sheet
 _SEPARATOR_LINE = re.compile(r'"?sep=.?"?\s*', re.IGNORECASE)  # first line of some spreadsheets
 _WIDTH = re.compile(r"\d+[sdn]", re.ASCII)  # column widths and types of an RDB file
 _COMMA_OF_TIME = re.compile(
-    r"\S*[ T]?\d\d:\d\d:\d\d,\d{3} +[^\d\s]|\[?[\d./-]+, \d\d?:\d\d(:\d\d)?(\s?[AP]M)?( -|\]) ", re.A
+    r"\S*[ T]?\d\d:\d\d:\d\d,\d{3} +[^\d\s]|\[?[\d./-]+, \d\d?:\d\d(:\d\d)?(\s?[AP]M)?( -|\]) ",
+    re.A,
 )
 """Lines of logs and chats, in which a comma is a part of the time."""
 _EVENT_LIST = {"time_s", "kind"}

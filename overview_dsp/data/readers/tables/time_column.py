@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from overview_dsp.arrays import FloatArray
-from overview_dsp.data.readers.tables.cells import is_missing
+from overview_dsp.data.readers.tables.cells import detect_decimal_mark, is_missing
 from overview_dsp.data.readers.tables.column_names import NAMES, TIME_FORMATS, TIME_UNITS
 from overview_dsp.data.readers.tables.table import (
     CellLocation,
@@ -127,7 +127,8 @@ def detected_format(column: Column, cells: Sequence[Any]) -> Format | None:
         # up to a third of the cells may be mistakes, which are errors when they are read
         return 3 * count >= 2 * len(known)
 
-    numbers = [(cell, number) for cell in known if (number := as_number(cell)) is not None]
+    mark = detect_decimal_mark(known) or "."
+    numbers = [(cell, number) for cell in known if (number := as_number(cell, mark)) is not None]
     if most(len(numbers)):
         return _numeric_format(column, *map(list, zip(*numbers, strict=True)))
     texts = [cell.strip() for cell in known if isinstance(cell, str)]
@@ -203,7 +204,7 @@ def as_text(cell: Any) -> str:
     return text[:-2] if text.endswith(".0") and text[:-2].isdigit() else text
 
 
-def as_number(cell: Any) -> int | float | None:
+def as_number(cell: Any, decimal_mark: str = ".") -> int | float | None:
     """Return the number in a cell, as int if it is whole, else None."""
     if isinstance(cell, bool):
         return None
@@ -211,7 +212,7 @@ def as_number(cell: Any) -> int | float | None:
         return cell
     if not isinstance(cell, str):
         return None
-    text = cell.strip()
+    text = cell.strip().replace(decimal_mark, ".")
     if _DIGITS.fullmatch(text):
         return int(text)
     if not _DECIMAL.fullmatch(text) or len(text) > _LONGEST_NUMBER:
@@ -296,12 +297,13 @@ class TimeColumn:
     """Converter of a column to seconds from its first time, chunk by chunk.
 
     After the first chunk, `anchor_ns` is the first time (None for plain time, which counts from 0).
-    `offset_min` is its offset from UTC, None without a zone.
+    `offset_min` is its offset from UTC, None without a zone. `decimal_mark`: that of numbers.
     """
 
     format: Format
     anchor_ns: int | None = None
     offset_min: int | None = None
+    decimal_mark: str = "."
     _zoned: bool | None = field(default=None, init=False)
 
     def seconds(self, cells: Cells, locate: Callable[[int], CellLocation]) -> FloatArray:
@@ -382,7 +384,7 @@ class TimeColumn:
 
     def _of_number(self, cell: Any, i: int, locate: Callable[[int], CellLocation]) -> float:
         name = self.format.name
-        number = as_number(cell)
+        number = as_number(cell, self.decimal_mark)
         if number is None or not math.isfinite(number) or abs(number) > _LARGEST:
             raise self._wrong(cell, locate(i))
         if name in PLAIN:
@@ -513,7 +515,7 @@ class TimeColumn:
         if isinstance(texts, TextCells):
             if not len(texts) or int((texts.stops - texts.starts).max()) > _LONGEST_NUMBER:
                 return None
-            found, good = texts.wholes() if plain is None else texts.decimals(".")
+            found, good = texts.wholes() if plain is None else texts.decimals(self.decimal_mark)
             known = texts.stops > texts.starts
             if not (good | ~known).all():
                 return None
