@@ -203,7 +203,8 @@ def _numbers(
     longest = int(length.max(initial=0))
     if longest == length.min(initial=longest):
         length = length[:1]  # a mask for all
-    *high, word = _eights(data, stops - 16, 2)[longest <= 8 :]
+    parts = 2 if longest > 8 else 1
+    *high, word = _eights(data, stops - 8 * parts, parts)
     word, marked, figures = _without(_digits(word, length), mark)
     found, good = _value(word, 8), _are_digits(word)
     for word in high:
