@@ -515,7 +515,10 @@ class TimeColumn:
         if isinstance(texts, TextCells):
             if not len(texts) or int((texts.stops - texts.starts).max()) > _LONGEST_NUMBER:
                 return None
-            found, good = texts.wholes() if plain is None else texts.decimals(self.decimal_mark)
+            is_whole = plain is None or bool(texts[:64].wholes()[1].all())
+            found, good = texts.wholes() if is_whole else texts.decimals(self.decimal_mark)
+            if plain is not None and not good.all():
+                found, good = texts.decimals(self.decimal_mark)
             known = texts.stops > texts.starts
             if not (good | ~known).all():
                 return None
