@@ -13,7 +13,7 @@ import click
 
 from overview_dsp.cli.common import note, read_gesture, say
 from overview_dsp.cli.live_session import SECONDS, Comparison, Session, open_player, play_headless
-from overview_dsp.cli.options.declaring import cli_command, option
+from overview_dsp.cli.options.declaring import cli_command, option, require_none
 from overview_dsp.cli.options.follow import Feed, open_data
 from overview_dsp.cli.options.input import Controls, parse_sources
 from overview_dsp.cli.options.output import Output
@@ -48,8 +48,9 @@ def command(
     """Play TIMELINE live, by mouse, keys, sensors, controllers or a take.
 
     --follow replaces TIMELINE by a live source. Without a terminal, the command prints one line of
-    JSON per second and a summary. A saved change of the preset file is heard at once. Channels,
-    gains, mutes, delays, ceilings and the actuator are saved for each output device.
+    JSON per second and a summary, unless --screen is lines. A saved change of the preset file is
+    heard at once. Channels, gains, mutes, delays, ceilings and the actuator are saved for each
+    output device.
     """
     server = None if controls.remote is None else server_at(controls.remote)
     controls.require_consistent(timeline, feed.follow)
@@ -57,9 +58,12 @@ def command(
     path = replay.removesuffix(LOOP)
     movement = read_gesture(path) if path else None
     sources = parse_sources(controls.input)
-    terminal = sys.stdin.isatty() and sys.stdout.isatty() and "lines" not in sources.openers
+    terminal = sys.stdin.isatty() and "lines" not in sources.openers
+    terminal &= screen == "lines" or sys.stdout.isatty()  # lines go to standard error
     has_keys = terminal or bool(controls.input)
     comparison.require_consistent(session.record, controls.remote, screen, has_keys)
+    problem = "--screen full needs a terminal, whose keys --input - excludes; give lines or json"
+    require_none({problem: screen == "full" and not terminal})
     with ExitStack() as stack:
         data = stack.enter_context(open_data(timeline, feed, reading, window, choice.preset))
         player, received = stack.enter_context(
@@ -88,13 +92,13 @@ def command(
         def stopped() -> bool:
             return bool(received) or time.monotonic() >= until
 
-        is_dumb = screen is None and os.environ.get("TERM") == "dumb"
-        if screen == "json" or not terminal:
-            play_headless(player, source, received, seconds, controls.osc_out is not None)
-        elif screen == "lines" or comparison.blind or is_dumb:
+        is_plain = comparison.blind or os.environ.get("TERM") == "dumb"
+        if screen == "lines" or (screen is None and terminal and is_plain):
             from overview_dsp.live.screen.plain_mode import run as run_lines
 
-            run_lines(player, source, stopped, say, address)
+            run_lines(player, source, stopped, say, address, terminal)
+        elif screen == "json" or not terminal:
+            play_headless(player, source, received, seconds, controls.osc_out is not None)
         else:
             from overview_dsp.live.screen import run
 

@@ -62,6 +62,24 @@ def test_standard_input_moves_the_disk():
     assert "1 lines were not `theta2 touching`; first: line 26: 'x'" in done.stderr
 
 
+def test_lines_for_a_person_are_printed_also_where_standard_input_moves_the_disk():
+    process = subprocess.Popen(
+        [*PLAY, "--screen", "lines", "--input", "-", "--seconds", "20"],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    assert process.stdin is not None
+    assert process.stderr is not None
+    process.stdin.write("0.5 1\n")
+    process.stdin.flush()
+    said = iter(process.stderr.readline, "")
+    assert "15:51, 0 to 0.\n" in said
+    out, rest = process.communicate(timeout=60)
+    assert (out, rest, process.returncode) == ("", "Released at 15:51, 0 to 0.\n", 0)
+
+
 @pytest.mark.skipif(os.name != "posix", reason="signals as on POSIX")
 @pytest.mark.parametrize("name", ["SIGINT", "SIGTERM", "SIGHUP"])
 def test_a_signal_ends_the_session_and_the_take_is_saved(tmp_path, name):
@@ -114,6 +132,7 @@ def test_a_signal_that_is_ignored_from_the_start_stays_ignored():
         (["--input", "osc:9000,smooth=soon"], "smooth=soon; must be 0 to 100 (ms)"),
         (["--input", "midi:pad,smooth=-1"], "smooth=-1; must be 0 to 100 (ms)"),
         (["--input", "pad:,smooth=6"], "smooth applies to osc:, midi:"),
+        (["--screen", "full"], "--screen full needs a terminal, whose keys --input - excludes"),
         (["--preset", "nothing"], "no preset is called 'nothing'"),
         (["--record", "/no/such/folder/take.csv", "--seconds", "0.1"], "/no/such/folder"),
     ],

@@ -22,6 +22,7 @@ from overview_dsp.live.screen.position_report import PositionReport, finger_posi
 from overview_dsp.live.session import blind
 from overview_dsp.live.session.command_forms import FORMS
 from overview_dsp.live.session.commands import poll
+from overview_dsp.live.session.headless import is_over
 from overview_dsp.live.session.player import Player
 
 POLL_EVERY_S = 0.03
@@ -148,12 +149,15 @@ def run(
     stopped: Callable[[], bool],
     say: Callable[[str], None] = lambda line: print(line, flush=True),
     address: str = "",
+    has_keys: bool = True,
 ) -> None:
-    """Play until `q` or `stopped()`; raise errors of the player."""
+    """Play until `q` or `stopped()`, without keys also until the input is over; raise errors."""
     session = LineSession(player, say, address)
-    session.say(f"{player.timeline.title}. Press question mark for the keys, q to quit.")
-    with _raw_keys() as read:
-        while not stopped():
+    keys = " Press question mark for the keys, q to quit." if has_keys else ""
+    session.say(f"{player.timeline.title}.{keys}")
+    replayed = player.loop.playing
+    with _raw_keys() if has_keys else contextlib.nullcontext(_no_keys) as read:
+        while not (stopped() or (not has_keys and is_over(player, source, replayed))):
             for line in poll(player, source).messages:
                 session.say(line)
             for key in parse_keys(read()):
@@ -162,7 +166,13 @@ def run(
                     return
                 session.press(key)
             session.update(time.monotonic())
+        session.update(time.monotonic() + LINE_EVERY_S)
         player.close()
+
+
+def _no_keys() -> str:
+    time.sleep(POLL_EVERY_S)
+    return ""
 
 
 @contextlib.contextmanager

@@ -55,9 +55,8 @@ def run(
             last += LINE_EVERY_S
             yield {**_line(status, click, tactor), **_input(source)}
             click = tactor = 0.0
-        over = source is not None and source.is_over(player.engine) and player.at_rest
-        over |= source is None and replayed and not player.loop.playing
-        if over or stopped() or (seconds is not None and now - started >= seconds):
+        late = seconds is not None and now - started >= seconds
+        if is_over(player, source, replayed) or stopped() or late:
             break
         time.sleep(POLL_EVERY_S)
     described = describe(passed) if describe is not None else {}
@@ -65,6 +64,13 @@ def run(
     for message in last_status.messages:
         note(message)
     yield {"summary": {**_summary(last_status), **_input(source), **described}}
+
+
+def is_over(player: Player, source: Input | None, replayed: bool) -> bool:
+    """Return whether the source, or without one the replay, is over, with its sound."""
+    if source is not None:
+        return source.is_over(player.engine) and player.at_rest
+    return replayed and not player.loop.playing
 
 
 def _input(source: Input | None) -> dict[str, Any]:
