@@ -55,7 +55,8 @@ class LineSession:
         self.command: str | None = None  # that is being typed
         self._finger: float | None = None
         self._place = player.pointer.position  # of the next report
-        self._requested = self._moved = False  # reasons for a line on the position
+        # reasons for a line on the position
+        self._requested = self._moved = self._goes_to_event = False
         self._reported_at, self._reported = 0.0, ""
         self._state = self._read_state()
 
@@ -90,7 +91,7 @@ class LineSession:
             if key in "[]" and (place == before or not player.pointer.touching):
                 self.say("No next event." if key == "]" else "No previous event.")
             else:
-                self._place, self._requested = place, True
+                self._place, self._requested, self._goes_to_event = place, True, key in "[]"
 
     def _type(self, key: str) -> None:
         if key in ("enter", "escape"):
@@ -124,14 +125,14 @@ class LineSession:
             self._say_position(now_s)
 
     def _say_position(self, now_s: float) -> None:
-        text = self._report.text(self._place)
+        text = self._report.text(self._place, self._goes_to_event)
         if self._finger is None:
             text = f"Released at {text}"
             self._report.forget()
         if self._requested or text != self._reported:
             self.say(text)
             self._reported_at, self._reported = now_s, text
-        self._requested = self._moved = False
+        self._requested = self._moved = self._goes_to_event = False
 
     def _read_state(self) -> tuple[str, ...]:
         """Return the window and the replay as sentences."""

@@ -107,12 +107,15 @@ class PositionReport:
         known_s = time_s if event is None else max(time_s, event.time_s)
         return (self.moment(time_s), end, self._value(time_s, known_s)), time_s, event
 
-    def text(self, position: float) -> str:
-        """Return the report on a position: moment and value, event entered, events passed."""
+    def text(self, position: float, names_event: bool = False) -> str:
+        """Return the report on a position: moment and value, event entered, events passed.
+
+        With `names_event`, an event that was entered before is named again.
+        """
         place, time_s, event = self.here(position)
         last, self._last = self._last, (time_s, event)
         parts = [", ".join(filter(None, place))]
-        if event is not None and (last is None or not is_same(last[1], event)):
+        if event is not None and (names_event or last is None or not is_same(last[1], event)):
             parts.append(event_text(event, self._player.timeline.sides))
         if last is not None and (passed := self._passed(last, time_s, event)):
             parts.append(f"passed {passed}")

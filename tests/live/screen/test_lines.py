@@ -182,6 +182,15 @@ def test_each_key_of_the_help_is_answered_and_others_are_named(
     assert any(line.startswith("now B") for line in typing.press("2"))
 
 
+def test_the_event_that_a_key_goes_to_is_named_also_where_the_finger_is_on_it_already(
+    opened, match
+):
+    typing = Typing(opened(match, "football"))
+    assert typing.press("home") == ["0:00, start, 0 to 0. Period, kick-off."]
+    assert typing.press("]") == ["0:09, 0 to 0. Period, kick-off."]
+    assert typing.press("]") == ["2:55, 0 to 0. Foul (synthetic), France."]
+
+
 def test_a_terminal_that_closes_while_a_command_is_typed_ends_the_session(
     opened, match, monkeypatch
 ):
