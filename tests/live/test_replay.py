@@ -267,6 +267,13 @@ def test_queued_commands_are_executed_at_the_next_poll(session):
     wait(player, lambda: player.takes.recording_path is not None, sound)
     player.queue_command("window", "600", "1200")
     wait(player, lambda: player.window == (600.0, 1200.0), sound)
+    goal_s, end_s = player.timeline.event("goal", 1).time_s, player.timeline.duration_s
+    for start, end, shown in (
+        ("1:00", "5:00", (60.0, 300.0)),
+        ("goal:1-60", "end", (goal_s - 60.0, end_s)),
+    ):
+        player.queue_command("window", start, end)
+        wait(player, lambda shown=shown: player.window == shown, sound)
     player.queue_command("preset", "2")
     wait(player, lambda: player.engine.preset.name == "plain", sound)
     player.queue_command("record", "0")
@@ -279,7 +286,7 @@ def test_queued_commands_are_executed_at_the_next_poll(session):
     wait(player, lambda: player.engine.preset.name == "heart", sound)
     for words, why in (
         (("window", "5"), "window 5: wrong number of arguments; must be window START END"),
-        (("window", "x", "y"), "window start 'x' must be a number"),
+        (("window", "x", "y"), "window x y: 'x' is not a moment; give seconds (90.5), m:ss"),
         (("window", "9", "1"), "window 9 1"),
         (("record", "on"), "'on' must be 0, 1 or left out"),
         (("preset", "nothing"), "no preset is called 'nothing'"),

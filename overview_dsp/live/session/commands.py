@@ -9,6 +9,7 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from overview_dsp.data.feeds.live_timeline import LiveTimeline
+from overview_dsp.data.timeline.time_expressions import window_of
 from overview_dsp.errors import InputError, OverviewError, OverviewWarning
 from overview_dsp.live.inputs.feeds import parse_duration, parse_layout
 from overview_dsp.live.inputs.input import Input
@@ -82,7 +83,7 @@ def _preset(player: Player, name: str) -> None:
 
 
 def _window(player: Player, start: str, end: str) -> None:
-    player.show(_number(start, "window start"), _number(end, "window end"))
+    player.show(*window_of(player.timeline, start, end))
 
 
 def _number(word: str, quantity: str) -> float:
