@@ -399,6 +399,7 @@ def test_layout_and_length_can_change_during_a_session(session, live):
     one.player.queue_command("layout", "whole")
     one.player.queue_command("expected-duration", "2h")
     one.run(0.2)
+    assert {"layout so far", "layout whole", "expected duration 2h"} <= set(one.messages)
     assert (one.window_timeline.duration_s, one.window_timeline.known_until_s) == (7200.0, 800.0)
     for words in (("layout", "half"), ("expected-duration", "soon")):
         one.player.queue_command(*words)

@@ -82,8 +82,8 @@ class LineSession:
         elif key == "w":
             held = player.engine.active_input
             holder = "not held" if held is None else f"held by {held[0]}"
-            state = player.state.text
-            self.say(f"{self._report.text(self._place)} Disk {holder}. {state}.")
+            which = f" Preset {player.active_window.presets.name}." if player.blind is None else ""
+            self.say(f"{self._report.text(self._place)} Disk {holder}. {player.state.text}.{which}")
         elif not self._actions.press(key):
             self.say(f"No key {key}. Press question mark.")
         elif key in HELP["moves"]["names"]:

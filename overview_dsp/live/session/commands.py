@@ -122,6 +122,7 @@ def _actuator(player: Player, name: str) -> None:
 def _gain(player: Player, signal: str, gain_db: str) -> None:
     change = {"gain_db": _number(gain_db, "gain")}
     player.output.set(player.output.settings.changed(**{_signal(signal): change}))
+    player.say(f"{signal.replace('click', 'clicks')} {change['gain_db']:g} dB")
 
 
 def _mute(player: Player, signal: str, on: str = "") -> None:
@@ -129,7 +130,7 @@ def _mute(player: Player, signal: str, on: str = "") -> None:
     muted = getattr(settings, _signal(signal)).mute
     if _is_toggle(on, muted):
         player.output.set(settings.changed(**{signal: {"mute": not muted}}))
-        player.say(f"{'clicks' if signal == 'click' else signal} {'on' if muted else 'muted'}")
+        player.say(f"{signal.replace('click', 'clicks')} {'on' if muted else 'muted'}")
 
 
 def _signal(word: str) -> str:
@@ -146,10 +147,12 @@ def _live(player: Player) -> LiveTimeline:
 
 def _layout(player: Player, *name: str) -> None:
     _live(player).layout = parse_layout(" ".join(name))
+    player.say(f"layout {_live(player).layout}")
 
 
 def _expected_duration(player: Player, length: str) -> None:
     _live(player).expected_duration_s = parse_duration(length)
+    player.say(f"expected duration {length}")
 
 
 def _missed(player: Player, minute: str = "") -> None:

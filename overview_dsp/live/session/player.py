@@ -177,6 +177,7 @@ class Player:
         if self.blind is not None:
             raise InputError(_BLIND)
         preset = self._presets.replace(PresetWatch(name, self._presets.linear))
+        self.say(f"now {self._presets.name}")
         self.active_window.use(preset)
 
     def choose_preset(self, index: int) -> None:
@@ -217,9 +218,10 @@ class Player:
             with contextlib.suppress(OverviewError):  # every poll tries again
                 self._open_another(*before)
             raise
+        actuator = output.settings.actuator
         self.say(
             f"output {output.name}, {engine.sample_rate:g} Hz, {output.block_size} frames, "
-            f"{output.settings.channels_text}"
+            f"{output.settings.channels_text}, actuator {actuator.name if actuator else 'none'}"
         )
 
     def _open_another(

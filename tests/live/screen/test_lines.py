@@ -191,6 +191,27 @@ def test_the_event_that_a_key_goes_to_is_named_also_where_the_finger_is_on_it_al
     assert typing.press("]") == ["2:55, 0 to 0. Foul (synthetic), France."]
 
 
+@pytest.mark.parametrize(
+    ("command", "answer"),
+    [
+        ("preset silk", "now silk.toml"),
+        ("gain tactor -6", "tactor -6 dB"),
+        ("gain click 3", "clicks 3 dB"),
+        (
+            "actuator c2",
+            "output none (no sound), 48000 Hz, 256 frames, clicks on 1, tactor on 2, actuator c2",
+        ),
+    ],
+)
+def test_a_command_is_answered_by_what_is_so_now(opened, match, command, answer):
+    typing = Typing(opened(match))
+    assert "Preset plain.toml." in typing.press("w")[0]
+    keys = ("space" if key == " " else key for key in command)
+    assert answer in typing.press("c", *keys, "enter")
+    if command == "preset silk":
+        assert "Preset silk.toml." in typing.press("w")[0]
+
+
 def test_a_terminal_that_closes_while_a_command_is_typed_ends_the_session(
     opened, match, monkeypatch
 ):
