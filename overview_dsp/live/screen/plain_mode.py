@@ -109,17 +109,11 @@ class LineSession:
     def update(self, now_s: float) -> None:
         """Print what has changed since the last call; call this often."""
         state = self._read_state()
-        if state != self._state:
-            for new, old in zip(state, self._state, strict=True):
-                if new != old:
-                    self.say(new)
-            self._state = state
+        self.say("\n".join(new for new, old in zip(state, self._state, strict=True) if new != old))
+        self._state = state
         finger = finger_position(self._player)
-        if finger is not None:
-            self._moved |= finger != self._finger
-            self._place = finger
-        elif self._finger is not None:
-            self._moved = True
+        self._moved |= finger != self._finger
+        self._place = self._place if finger is None else finger
         self._finger = finger
         if (self._moved or self._requested) and now_s - self._reported_at >= LINE_EVERY_S:
             self._say_position(now_s)
@@ -129,15 +123,16 @@ class LineSession:
         if self._finger is None:
             text = f"Released at {text}"
             self._report.forget()
-        if self._requested or text != self._reported:
+        # of a replay, only what it meets: it may be repeated for long
+        is_empty = self._player.loop.playing and ". " not in text
+        if self._requested or (text != self._reported and not is_empty):
             self.say(text)
             self._reported_at, self._reported = now_s, text
         self._requested = self._moved = self._goes_to_event = False
 
     def _read_state(self) -> tuple[str, ...]:
         """Return the window and the replay as sentences."""
-        start_s, end_s = self._player.window
-        window = f"{self._report.moment(start_s)} to {self._report.moment(end_s)}"
+        window = " to ".join(map(self._report.moment, self._player.window))
         if self._player.live_updates is not None:  # it may grow all the time
             window = ""
         replay = "Replay." if self._player.loop.playing else "No replay."

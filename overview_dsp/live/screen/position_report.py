@@ -66,12 +66,16 @@ def match_minute(halves: Sequence[Half], time_s: float) -> tuple[str, str]:
 
 
 def finger_position(player: Player) -> float | None:
-    """Return the position (0 to 1) of the input that touches the disk; None without a touch."""
+    """Return the position (0 to 1) of the input or replay that touches the disk; None without.
+
+    A blind comparison's replay has none: events told at other positions would show the preset.
+    """
     if player.pointer.touching:
         return player.pointer.position
     held = player.engine.active_input
     # a release by the pointer may not be applied yet
-    return None if held is None or held[0] == "touch" else held[1] / HALF_TURN
+    is_own = player.pointer.used or player.blind is not None
+    return None if held is None or (held[0] == "touch" and is_own) else held[1] / HALF_TURN
 
 
 class PositionReport:

@@ -385,7 +385,7 @@ class Player:
     def _end_before_restart(self) -> None:
         """End the take, the touch and the announcement before the engine restarts."""
         self.takes.end()
-        self.pointer.touching = False
+        self.pointer.touching = self.pointer.used = False
         if self.live_updates is not None:
             self.live_updates.end_announcement()
 

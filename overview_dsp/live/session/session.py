@@ -106,17 +106,18 @@ class Pointer:
 
     `position`: present or last position of the touch, 0 to 1.
     `touching`: whether the pointer touches; False after the engine restarts.
+    `used`: whether the pointer has touched since the engine restarted.
     """
 
     def __init__(self, session: Session, output: ReconnectingStream) -> None:
         self._engine, self._output = session.engine, output
         self.position = 0.0
-        self.touching = False
+        self.touching = self.used = False
 
     def touch(self, position: float) -> None:
         """Touch at `position` (0 to 1), or move there during a touch."""
         self.position = min(max(position, 0.0), 1.0)
-        self.touching = True
+        self.touching = self.used = True
         if self._output.playing:  # without an output the event would be applied too late
             self._engine.control(self.position * HALF_TURN, True)
 

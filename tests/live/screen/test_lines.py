@@ -212,6 +212,16 @@ def test_a_command_is_answered_by_what_is_so_now(opened, match, command, answer)
         assert "Preset silk.toml." in typing.press("w")[0]
 
 
+def test_a_replay_says_the_events_that_it_meets_and_no_mere_positions(opened, match):
+    typing = Typing(opened(match))
+    typing.press("right", "escape")  # the replay is no movement of this hand
+    typing.player.loop.begin(ov.parse_gesture("sweep:1"), "sweep:1", False)
+    first, *lines = typing.press(seconds=40.0)
+    assert first == "Replay."
+    assert sum("Passed" in line for line in lines) >= 3
+    assert all(re.search(r"\. \w", line) for line in lines if line != "No replay."), lines
+
+
 def test_a_terminal_that_closes_while_a_command_is_typed_ends_the_session(
     opened, match, monkeypatch
 ):
