@@ -24,7 +24,7 @@ from overview_dsp.data.timeline import Timeline
 from overview_dsp.errors import OverviewError, printable
 from overview_dsp.live.inputs.input import Input
 from overview_dsp.live.screen import timeline_view as view
-from overview_dsp.live.screen.key_actions import KeyActions, help_text
+from overview_dsp.live.screen.key_actions import KeyActions, figures_text, help_text, latencies_ms
 from overview_dsp.live.screen.position_report import PositionReport, finger_position, match_minute
 from overview_dsp.live.screen.terminal import has_hung_up, nonblocking_driver
 from overview_dsp.live.session.command_forms import FORMS
@@ -346,20 +346,12 @@ class PlayApp(App[None]):
         reason = self._shown[-1][1] if self.size.height < FULL_HEIGHT and self._shown else reason
         left = view.cells((name.capitalize(), "bold"), ("  ", ""))
         left += view.cells((view.shortened(reason, width - 2 - len(left)), ""))
-        short = f"{sum(self._latencies_ms(status).values()):.1f} ms"
+        short = f"{sum(latencies_ms(self.player, status, self._source).values()):.1f} ms"
         delay = f"movement to output {short}"
         block = f"{status.block_size} frames, {status.sample_rate / 1e3:g} kHz, {delay}"
         rights = (f"{status.output}, {block}", block, delay, short, "")
         right = next(text for text in rights if len(left) + len(text) + 4 <= width or not text)
         return view.spread(width, left, view.cells((right, "")))
-
-    def _latencies_ms(self, status: Status) -> dict[str, float]:
-        """Return the latency of each part between a movement and the output."""
-        told = {} if self._source is None else self._source.report()
-        parts = {"input": told["wait_p99_ms"]} if "wait_p99_ms" in told else {}
-        parts["smoothing"] = 1e3 * self.player.engine.latency_samples / status.sample_rate
-        parts["output"] = 1e3 * status.stream.latency_s
-        return parts
 
     def _end(self, failure: Exception | None = None) -> None:
         """Close the player, then the screen, which may take longer."""
@@ -386,14 +378,7 @@ class PlayApp(App[None]):
     def action_figures(self) -> None:
         """Show the figures of the output and the signal processing, and past stops."""
         status = self._status or self.player.poll()
-        actuator, protected, load = status.settings.actuator, status.protected, status.stream
-        parts = self._latencies_ms(status)
-        path = " + ".join(f"{name} {ms:.1f}" for name, ms in parts.items())
-        times = (sum(parts.values()), 1e6 * load.p99_s, 1e6 * load.longest_s, 1e3 * status.torque)
-        text = view.TABLES["words"]["figures"].format(*times, status=status, stream=load, path=path)
-        text += "" if self._source is None else f"{self._source.status_text}\n"
-        if actuator is not None and protected is not None:
-            text += f"{actuator.name} {-protected.reduction_db:.1f} dB"
+        text = figures_text(self.player, status, self._source, view.TABLES["words"]["figures"])
         self.push_screen(TextScreen("\n".join(map(printable, text.splitlines()))))
 
     def action_help(self) -> None:

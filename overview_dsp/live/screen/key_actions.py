@@ -1,4 +1,4 @@
-"""Actions of the keys, on the screen and in plain mode, and the help on them."""
+"""Actions of the keys, on the screen and in plain mode, the help on them, and the figures."""
 
 from __future__ import annotations
 
@@ -7,8 +7,10 @@ from functools import partial
 from typing import Any
 
 from overview_dsp.files.toml import load_toml
+from overview_dsp.live.inputs.input import Input
 from overview_dsp.live.screen.timeline_view import Labels, Skin
 from overview_dsp.live.session.player import Player
+from overview_dsp.live.session.session import Status
 
 STEP = 0.01
 ZOOM = 1.5
@@ -66,3 +68,25 @@ def help_text(player: Player, skin: Skin) -> str:
     if sides := player.timeline.sides:
         shown += f"\nupper lane: {sides[0]}, lower lane: {sides[1]}"
     return str(HELP["full"]).replace("MARKS", shown)
+
+
+def latencies_ms(player: Player, status: Status, source: Input | None) -> dict[str, float]:
+    """Return the latency of each part between a movement and the output."""
+    told = {} if source is None else source.report()
+    parts = {"input": told["wait_p99_ms"]} if "wait_p99_ms" in told else {}
+    parts["smoothing"] = 1e3 * player.engine.latency_samples / status.sample_rate
+    parts["output"] = 1e3 * status.stream.latency_s
+    return parts
+
+
+def figures_text(player: Player, status: Status, source: Input | None, form: str) -> str:
+    """Return the figures of the output and the signal processing, and past stops, in a form."""
+    actuator, protected, load = status.settings.actuator, status.protected, status.stream
+    parts = latencies_ms(player, status, source)
+    path = " + ".join(f"{name} {ms:.1f}" for name, ms in parts.items())
+    times = (sum(parts.values()), 1e6 * load.p99_s, 1e6 * load.longest_s, 1e3 * status.torque)
+    text = form.format(*times, status=status, stream=load, path=path)
+    text += "" if source is None else f"{source.status_text}\n"
+    if actuator is not None and protected is not None:
+        text += f"{actuator.name} {-protected.reduction_db:.1f} dB"
+    return text

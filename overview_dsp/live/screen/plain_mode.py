@@ -17,7 +17,7 @@ from collections.abc import Callable, Iterator
 
 from overview_dsp.errors import printable
 from overview_dsp.live.inputs.input import Input
-from overview_dsp.live.screen.key_actions import HELP, KeyActions
+from overview_dsp.live.screen.key_actions import HELP, KeyActions, figures_text
 from overview_dsp.live.screen.position_report import PositionReport, finger_position
 from overview_dsp.live.session import blind
 from overview_dsp.live.session.command_forms import FORMS
@@ -47,10 +47,12 @@ def parse_keys(text: str) -> Iterator[str]:
 class LineSession:
     """Keys of a session, and reports on its finger (control thread)."""
 
-    def __init__(self, player: Player, say: Callable[[str], None], address: str) -> None:
+    def __init__(
+        self, player: Player, say: Callable[[str], None], address: str, source: Input | None = None
+    ) -> None:
         """Report to `say`; `address` explains how to connect a phone."""
         self._player, self._report = player, PositionReport(player)
-        self._say_line, self._address = say, address
+        self._say_line, self._address, self._source = say, address, source
         self._actions = KeyActions(player)
         self.command: str | None = None  # that is being typed
         self._finger: float | None = None
@@ -84,6 +86,9 @@ class LineSession:
             holder = "not held" if held is None else f"held by {held[0]}"
             which = f" Preset {player.active_window.presets.name}." if player.blind is None else ""
             self.say(f"{self._report.text(self._place)} Disk {holder}. {player.state.text}.{which}")
+        elif key == "i":
+            figures = figures_text(player, status := player.poll(), self._source, HELP["figures"])
+            self.say("\n".join((*status.messages, figures)))
         elif not self._actions.press(key):
             self.say(f"No key {key}. Press question mark.")
         elif key in HELP["moves"]["names"]:
@@ -148,7 +153,7 @@ def run(
     has_keys: bool = True,
 ) -> None:
     """Play until `q` or `stopped()`, without keys also until the input is over; raise errors."""
-    session = LineSession(player, say, address)
+    session = LineSession(player, say, address, source)
     keys = " Press question mark for the keys, q to quit." if has_keys else ""
     session.say(f"{player.timeline.title}.{keys}")
     replayed = player.loop.playing

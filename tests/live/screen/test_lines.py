@@ -8,6 +8,7 @@ import random
 import re
 import sys
 import time
+import types
 
 import numpy as np
 import pytest
@@ -16,6 +17,7 @@ import overview_dsp as ov
 from overview_dsp.data.timeline.ticks import Half
 from overview_dsp.live.screen import plain_mode
 from overview_dsp.live.screen.position_report import PositionReport, event_text, match_minute
+from overview_dsp.live.session.session import SessionState
 from tests.cli.running import MATCH, environment
 
 if sys.platform == "linux":
@@ -220,6 +222,24 @@ def test_a_replay_says_the_events_that_it_meets_and_no_mere_positions(opened, ma
     assert first == "Replay."
     assert sum("Passed" in line for line in lines) >= 3
     assert all(re.search(r"\. \w", line) for line in lines if line != "No replay."), lines
+
+
+def test_the_figures_are_one_line_with_the_last_stop_and_the_input_beside_them(opened, match):
+    player, said = opened(match), []
+    source = types.SimpleNamespace(report=dict, status_text="osc:9000: 7 messages")
+    player.say("a message in between")
+    typing = Typing(player)
+    typing.session = plain_mode.LineSession(player, said.append, "", source)
+    typing.player.state = SessionState("paused", "", "paused: take.csv, ended")
+    typing.session.press("i")
+    message, figures, told = said
+    assert (message, told) == ("a message in between", "osc:9000: 7 messages")
+    assert figures.startswith(
+        "Output none (no sound), 48000 Hz, 256 frames. From a movement to the output "
+    )
+    assert re.search(r" [\d.]+ ms: smoothing [\d.]+ \+ output [\d.]+\. Load ", figures)
+    assert "0 blocks late, 0 underflows, 0 frames lost, 0 movements dropped. " in figures
+    assert figures.endswith("(last stop: paused: take.csv, ended).")
 
 
 def test_a_terminal_that_closes_while_a_command_is_typed_ends_the_session(
