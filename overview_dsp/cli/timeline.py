@@ -6,7 +6,7 @@ import re
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import asdict
-from datetime import timedelta
+from datetime import time, timedelta
 from pathlib import Path
 from typing import Any
 
@@ -215,7 +215,7 @@ def _moment(timeline: Timeline, time_s: float) -> str:
     if timeline.start is None:
         return clock_text(time_s)
     moment = timeline.start + timedelta(seconds=time_s)
-    whole_days = timeline.duration_s >= 30 * DAYS_FROM_S and moment.time() == timeline.start.time()
+    whole_days = timeline.duration_s >= 30 * DAYS_FROM_S and moment.time() == time()
     return moment.date().isoformat() if whole_days else moment.isoformat(" ", "seconds")
 
 

@@ -81,6 +81,12 @@ def test_show_reports_dates_and_gaps(folder):
     ]
     assert lines[5] == "gaps     1, 24:00:00.0 in all: 2012-01-02 to 2012-01-03"
     assert lines[-1].split() == ["2012-01-11", "record:1", "(weight", "2)"]
+    text["start"] = "2012-01-01T07:30:00"
+    (folder / "s.json").write_text(json.dumps(text))
+    lines = overview("timeline", "show", "s.json", "--events").out.splitlines()
+    assert lines[2] == "start    2012-01-01 07:30:00, end 2012-12-31 07:30:00"
+    assert lines[5].endswith("in all: 2012-01-02 07:30:00 to 2012-01-03 07:30:00")
+    assert lines[-1].split()[:2] == ["2012-01-11", "07:30:00"]
 
 
 def test_show_json_is_the_same_as_data(folder, match):
