@@ -329,24 +329,17 @@ def _format_of(source: DataFile) -> Format:
             continue
         if candidate.sniff(source):
             return candidate
-    if words := signature(source.head, "other"):
-        raise InputError(f"{source.where}: is {words}")
-    if source.looks_like_json and (other := json.other_document(source.json)):
-        raise InputError(
-            f"{source.where}: {other} without a series of times; write its values as a table with "
-            "a column of times"
-        )
-    if source.looks_like_json and (report := json.error_report(source.json)):
-        raise InputError(
-            f"{source.where}: an error report, not data: {quoted(report)}; check the address and "
-            "its key"
-        )
-    if len(source.sheets) > 1 and not source.sheet:
+    reason = signature(source.head, "other") or ""
+    document = source.json if source.looks_like_json else None
+    if other := json.other_document(document):
+        reason = f"{other} without a series of times; write its values as a table with times"
+    elif report := json.error_report(document):
+        reason = f"an error report, not data: {quoted(report)}; check the address and its key"
+    elif len(source.sheets) > 1 and not source.sheet:
         names = ", ".join(map(quoted, source.sheets[:6]))
-        raise InputError(
-            f"{source.where}: the first sheet with cells has no table of times; choose a sheet "
-            f"with match (--select): {names}"
-        )
+        reason = f"no table of times in the first sheet; choose one with match (--select): {names}"
+    if reason:
+        raise InputError(f"{source.where}: {reason}")
     raise InputError(
         f"{source.where}: {_described(source)}, not a format that can be read",
         f"{format_hint(source)}; overview timeline formats lists all that can be read",

@@ -26,8 +26,7 @@ from overview_dsp.data.timeline.model import Timeline
 from overview_dsp.errors import InputError, quoted
 from overview_dsp.installation import library_errors, require_package
 
-_NO_DATE = date(1985, 1, 1)
-"""Date of recordings whose date was removed."""
+_NO_DATE = date(1985, 1, 1)  # of recordings whose date was removed
 
 
 def sniff(source: DataFile) -> bool:

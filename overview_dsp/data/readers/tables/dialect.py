@@ -181,9 +181,8 @@ def _layout(head: tuple[str, ...]) -> tuple[Dialect, list[list[str]], bool] | No
 def _separation(lines: list[tuple[int, str]]) -> tuple[str | None, int] | None:
     """Return separator and usual number of fields, None without lines."""
     best: tuple[float, int, str | None, int] | None = None
-    if lines and 3 * sum(_COMMA_OF_TIME.match(line) is not None for _, line in lines) >= 2 * len(
-        lines
-    ):
+    timed = sum(_COMMA_OF_TIME.match(line) is not None for _, line in lines)
+    if 0 < 2 * len(lines) <= 3 * timed:
         return None
     for rank, separator in enumerate((*SEPARATORS, None)):
         widths = Counter(len(row) for _, row in split(lines, separator))

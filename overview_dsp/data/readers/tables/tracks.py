@@ -64,11 +64,8 @@ def open_table(source: DataFile) -> ColumnTable:
             timeless += 1
             continue
         known = {name: value for name, value in point.items() if not math.isnan(value)}
-        if (
-            not times
-            or moment != times[-1]
-            or any(not math.isnan(columns[name][-1]) for name in known)
-        ):
+        same = times and moment == times[-1]
+        if not same or any(not math.isnan(columns[name][-1]) for name in known):
             times.append(moment)
             for values in columns.values():
                 values.append(math.nan)
