@@ -127,7 +127,7 @@ def detected_format(column: Column, cells: Sequence[Any]) -> Format | None:
         # up to a third of the cells may be mistakes, which are errors when they are read
         return 3 * count >= 2 * len(known)
 
-    mark = detect_decimal_mark(known) or "."
+    mark = detect_decimal_mark(known[:100]) or "."
     numbers = [(cell, number) for cell in known if (number := as_number(cell, mark)) is not None]
     if most(len(numbers)):
         return _numeric_format(column, *map(list, zip(*numbers, strict=True)))
