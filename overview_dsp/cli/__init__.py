@@ -185,6 +185,8 @@ def _run() -> NoReturn:
         what = error.filename if error.filename is not None else "the output"
         _fail(" ".join(f"{what}: {error.strerror or error}".split()), 1)
     except Exception as error:
+        if isinstance(error.__cause__, KeyboardInterrupt):  # while a class was made
+            _stop()
         if debug:
             raise
         _fail(

@@ -69,6 +69,24 @@ def test_a_signal_while_code_in_a_string_runs_gives_its_exit_code(folder, name):
 
 
 @pytest.mark.skipif(os.name != "posix", reason="sends signals")
+@pytest.mark.parametrize("name", ["SIGHUP", "SIGINT"])
+def test_a_signal_while_a_class_is_made_gives_its_exit_code(folder, name):
+    # Python 3.11 makes a RuntimeError of an interrupt in __set_name__
+    folder.joinpath("stopped.py").write_text(
+        "import os, signal\n"
+        "from overview_dsp import cli\n"
+        "class Part:\n"
+        "    def __set_name__(self, owner, name):\n"
+        f"        os.kill(os.getpid(), signal.{name})\n"
+        "cli.app.main = lambda **_: type('Whole', (), {'part': Part()})\n"
+        "cli.main()\n"
+    )
+    ended = subprocess.run([sys.executable, "-m", "stopped"], cwd=folder, capture_output=True)
+    assert ended.returncode == 128 + getattr(signal, name), ended.stderr.decode()
+    assert ended.stderr.decode().splitlines() == ["error: stopped; no partial output is left"]
+
+
+@pytest.mark.skipif(os.name != "posix", reason="sends signals")
 def test_an_export_that_is_stopped_leaves_nothing(folder):
     command = subprocess.Popen(
         [

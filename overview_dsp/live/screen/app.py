@@ -37,8 +37,8 @@ POLLS_PER_SECOND, VIEW_EVERY = 30, 3
 """Polls per second, and number of polls between two updates of the view."""
 
 MESSAGE_S, FAULTS_EVERY_S, FULL_HEIGHT = 10.0, 60.0, 20
-"""Time for which a message is shown; least time between two on late blocks, which would cover the
-state of a small screen; height from which there are large figures, legend and signals."""
+"""Time of a message; least time between two on late blocks, which cover a small screen's state;
+height from which there are large figures, legend and signals."""
 
 COLUMN_S, DRAWN_EVERY, MAX_COLUMNS = 0.1, 3, 400
 """Torque and vibration: time of a column, columns per update, and number that is kept."""

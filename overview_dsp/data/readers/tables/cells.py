@@ -34,8 +34,7 @@ NUMBER = re.compile(
     re.ASCII,
 )
 _SIXTIETHS = re.compile(r"(\d{1,3}):([0-5]\d)(?::([0-5]\d(?:\.\d+)?))?", re.ASCII)
-"""A pace or a length such as 5:12, which is 5.2 of its first unit: minutes, if the column has
-lengths with hours, too."""
+"""A pace or a length such as 5:12, 5.2 of its first unit: minutes if others have hours, too."""
 
 _GROUP = re.compile(rf"[{_GROUPS}]")
 
