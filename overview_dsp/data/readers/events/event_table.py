@@ -199,7 +199,7 @@ class _Reader:
         self.table, self.roles, self.choice = table, roles, choice
         zoned = any(table.columns[i].zoned for i in choice.columns)
         first = (as_list(chunk.cells[0]) for chunk in table.chunks(choice.columns[:1]))
-        mark = detect_decimal_mark(next(first, [])) or "."
+        mark = detect_decimal_mark(next(first, [])[:100]) or "."
         self.times = TimeColumn(choice.format, None, 0 if zoned else None, mark)
         self.timeless = 0
 

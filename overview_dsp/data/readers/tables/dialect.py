@@ -280,7 +280,8 @@ def _is_header(top: list[str], below: list[list[str]]) -> bool:
     """
     dates, numbers = [], []
     years = [int(cell) for cell in top if re.fullmatch(r"\s*(1[89]|20)\d\d\s*", cell, re.A)]
-    if 1 < len(years) < len(top) and years == [*range(years[0], years[0] + len(years))]:
+    whole = 1 < len(years) == sum(map(is_number, top)) < len(top)
+    if whole and years == [*range(years[0], years[0] + len(years))]:
         return not any(is_date(cell) for cell in top)  # a column for each year
     for i, cell in enumerate(map(str.strip, top)):
         fields = _fields(below, i)

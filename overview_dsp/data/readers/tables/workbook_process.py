@@ -18,8 +18,7 @@ from collections.abc import Sequence
 
 MEMORY_BYTES = 3 << 30
 ROWS = 1000
-DAYS_TO_1904 = 1462
-"""Days from 1899-12-30, from which plain numbers of dates count, to the first one of old Macs."""
+DAYS_TO_1904 = 1462  # from 1899-12-30, where the plain numbers of dates begin in other books
 
 _DATED = re.compile("date|datum", re.IGNORECASE)
 

@@ -62,6 +62,10 @@ INPUTS = [
                  "2024-01-05T09:30:00"), {"value": "TEMP"}),
     Input("a column for each year", YEARS,
           Series([2, 4, 7], [0, 31 * DAY, 60 * DAY], "2020-01-01T00:00:00"), {"value": "2022"}),
+    Input("a first row of numbers that might be years",
+          "0.5,2001,2002\n1.0,2010,2005\n1.5,2020,2009\n2.0,2012,2010\n",
+          Series([2001, 2010, 2020, 2012], [0.0, 0.5, 1.0, 1.5]),
+          {"value": "column 2", "time": "column 1"}),
     Input("rows for something else", METER, Series([5.5, 5.6, 5.8, 6], [0, 900, 1800, 2700]),
           {"value": "Glucose mmol/L"}),
 ]  # fmt: skip
